@@ -2,7 +2,8 @@
 
 They are the same on every machine, so each row must match to the last digit. The kept file of a stem has one line for
 each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a description
-in words, the bounds and the counters.
+in words, the bounds and the counters. Rows of other shapes than the kept ones (unlike.py), as another version of CGAL
+derives them, are not compared, but counted.
 
     check_reference STEM...                  compares results/STEM.h5
     check_reference --again STEM...          measures the stems again, at the paper's sizes and once each, as counts need no repeats
@@ -25,7 +26,7 @@ from typing import Final
 
 import tomli_w
 
-from analysis.shared import missing, tables
+from analysis.shared import missing, tables, unlike
 from analysis.shared.cells import WORK
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.remedy import ROOT
@@ -46,13 +47,13 @@ SAMPLE: Final[dict[str, list[str]]] = {
     "zhang2017_table3": ["--scene", "f_singular", "--solver", "inc", "--solver", "kdtree", "--solver", "adaptive"]}
 
 
-def rows_of(results: Results) -> Rows:
+def rows_of(results: Results, of_other_shapes: bool = False) -> Rows:
     """Returns the rows to compare: status `ok`, one thread, no external program, not read off a trace. Others may
-    depend on the machine.
+    depend on the machine. They are the rows of the kept shapes, or of other shapes.
     """
-    cases, found = results.cases, Rows()
+    cases, found, other = results.cases, Rows(), set(unlike.rows(results))
     for row in results.rows(status="ok", threads=1):
-        if cases.solver[row] == "external" or cases.from_trace[row]:
+        if (row in other) != of_other_shapes or cases.solver[row] == "external" or cases.from_trace[row]:
             continue
         counters = {name: str(int(cases.counters[name][row])) for name in COUNTED if name in cases.counters}
         found[str(cases.identity[row])[:16]] = {
@@ -92,10 +93,13 @@ def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
 def check(stem: str, results: Results) -> tuple[str, bool]:
     """Returns the lines to print, and whether all rows are equal.
 
-    A kept row that timed out here is skipped; one with any other status than `ok` counts as different.
+    A kept row that timed out here is skipped; one with any other status than `ok` counts as different. So do rows of other
+    shapes than the kept ones if the version of CGAL is the same.
     """
     here, there, cases = rows_of(results), kept(stem), results.cases
-    never_run = set(missing.missing_rows(results))
+    other = {words(row) for row in rows_of(results, of_other_shapes=True).values()} & {words(row) for row in there.values()}
+    skipped = f"{len(other)} rows not compared: {unlike.sentence(results, unlike.rows(results))}" if other else ""
+    never_run = {*missing.missing_rows(results), *unlike.rows(results)}
     lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases))
             if cases.status[row] not in ("ok", "timeout") and row not in never_run}
     both = [identity for identity in there if identity in here or identity in lost]
@@ -104,19 +108,26 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
         both = [identity for identity in there if identity in here]
     if not both and (lacking := missing.note(results)):
         return f"{stem}: nothing compared: {lacking}", True
+    if not both and skipped:
+        return f"{stem}: {skipped}", not unlike.same_cgal(results)
     if not both:
         return f"{stem}: none of the {len(there)} rows in results/reference/counts is in this result, whose sizes may differ: try PROFILE=paper", not there
     differing = {identity: [f"status ok -> {lost[identity]}"] for identity in both if identity not in here}
     differing |= {identity: found for identity in both if identity in here and (found := differences(here[identity], there[identity]))}
-    lines = [f"{stem}: bounds and counted work equal the reference: {len(both) - len(differing)} of {len(both)} rows"]
+    lines = [f"{stem}: bounds and counted work equal the reference: {len(both) - len(differing)} of {len(both)} rows" + (f"; {skipped}" if skipped else "")]
     for identity, found in list(differing.items())[:10]:
         row = there[identity]
         lines.append(f"  {row['solver']} on {row['scene']}, pose {row['pose']}, tolerance {row['tolerance']}: {'; '.join(found)}")
-    return "\n".join(lines), not differing
+    return "\n".join(lines), not differing and not (skipped and unlike.same_cgal(results))
 
 
 def keep(stem: str, results: Results) -> Path:
-    """Adds the rows of the results to the kept ones. A kept row of the same words, of other shapes or limits, is replaced."""
+    """Adds the rows of the results to the kept ones. A kept row of the same words, of other shapes or limits, is replaced.
+
+    Raises ResultError if a row is of another shape than the kept one.
+    """
+    unlike.expect_none(results)
+    unlike.keep(results)
     FOLDER.mkdir(parents=True, exist_ok=True)
     new = rows_of(results)
     replaced = {words(row) for row in new.values()}
@@ -162,14 +173,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             with tempfile.TemporaryDirectory(prefix="hausbench-reference-") as folder:
                 again = chosen.again or chosen.sample
                 results = load((measure(stem, SAMPLE[stem] if chosen.sample else [], Path(folder)) if again else chosen.results) / f"{stem}.h5")
+            if chosen.keep:
+                print(keep(stem, results))
+                continue
+            said, equal = check(stem, results)
         except ResultError as problem:
             print(problem, file=sys.stderr)
             code = 2
             continue
-        if chosen.keep:
-            print(keep(stem, results))
-            continue
-        said, equal = check(stem, results)
         print(said)
         code = code or (0 if equal else 1)
     return code

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis import paper_page, winners
-from analysis.shared import claims, missing, style, tables
+from analysis.shared import claims, missing, style, tables, unlike
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.report import Report
@@ -85,12 +85,13 @@ def whole_profile(group: str) -> str:
 
 
 def check(results: Results) -> Results:
-    """Returns the results if they can be kept: of the whole profile, with no row missing. Otherwise raises ResultError."""
+    """Returns the results if they can be kept: of the whole profile, with no row missing, of the kept shapes. Otherwise raises ResultError."""
     whole = whole_profile(results.stem)
     if results.meta.get("profile") != whole:
         raise ResultError(f"{results.path}: has profile '{results.meta.get('profile')}': measure it with 'make {results.stem} PROFILE={whole}'")
     if lacking := missing.note(results):
         raise ResultError(f"{results.path}: cannot be kept: {lacking}")
+    unlike.expect_none(results)
     return results
 
 
@@ -152,6 +153,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(path)
     if chosen.out != REFERENCE:
         return 0
+    for stem in stems_of(chosen.group, chosen.results):
+        unlike.keep(load(chosen.results / f"{stem}.h5"))
     return paper_page.main(["--kept"]) or (winners.main() if path.name in winners.SOURCES else 0)
 
 

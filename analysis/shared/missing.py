@@ -51,21 +51,23 @@ def note(results: Results) -> str:
 
 
 def judged(verdicts: Iterable[Verdict], results: Results) -> list[Verdict]:
-    """Returns the verdicts; those on claims that missing rows belong to become 'not tested', with what is missing.
-
-    A claim belongs to the scene that its `place` names, or else to all rows.
-    """
+    """Returns the verdicts; those on claims that missing rows belong to become 'not tested', with what is missing."""
     missing = missing_rows(results)
     return [_judged(verdict, results, missing) for verdict in verdicts] if missing else list(verdicts)
 
 
-def _judged(verdict: Verdict, results: Results, missing: Sequence[int]) -> Verdict:
+def own(verdict: Verdict, results: Results, rows: Sequence[int]) -> list[int]:
+    """Returns those of the rows that belong to the claim: the rows of the scene that its `place` names, or else all."""
     scenes, place = (results.whole or results).cases.scene, verdict.claim.place if isinstance(verdict.claim, claims.Claim) else ""
     there = [row for row, scene in enumerate(scenes) if place and str(scene).partition(": ")[0] == place]
-    own = [row for row in missing if row in there] if there else list(missing)
-    if verdict.outcome == UNTESTED or not own:
+    return [row for row in rows if row in there] if there else list(rows)
+
+
+def _judged(verdict: Verdict, results: Results, missing: Sequence[int]) -> Verdict:
+    found = own(verdict, results, missing)
+    if verdict.outcome == UNTESTED or not found:
         return verdict
-    return replace(verdict, outcome=UNTESTED, evidence=sentence(results, own), counted={}, ratio=None)
+    return replace(verdict, outcome=UNTESTED, evidence=sentence(results, found), counted={}, ratio=None)
 
 
 def without(results: Results) -> Results:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.transforms import Bbox
 
-from analysis.shared import claims, missing, sizes, style, tables
+from analysis.shared import claims, missing, sizes, style, tables, unlike
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.panels import add_letters
@@ -39,11 +39,12 @@ class Report:
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
         """Returns the table with notes on its clock and on rows that ran at the same time as others.
 
-        Verdicts on claims about larger sizes, or about rows that are missing, become 'not tested'.
+        Verdicts on claims about larger sizes, about rows that are missing, or about other shapes than those of a kept verdict, become 'not tested'.
         """
         if self.table is None:
             return None
-        judged = missing.judged(sizes.tested(self.table.verdicts, results, stem or results.stem), results)
+        stem = stem or results.stem
+        judged = unlike.judged(missing.judged(sizes.tested(self.table.verdicts, results, stem), results), results, stem)
         notes = [self.clock or clock_note(results)] if self.clock != NO_TIMES else []
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results), missing_line(results)])])
 
