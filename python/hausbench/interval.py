@@ -36,6 +36,7 @@ class Interval:
     _upper: float
 
     def __init__(self, lower: float, upper: float) -> None:
+        lower, upper = (float(end) if isinstance(end, float) else end for end in (lower, upper))  # not numpy's, whose repr() is another one
         if not lower <= upper:
             raise ValueError(f"lower is {lower!r}, not at most upper, {upper!r}: exchange them")
         self._lower = lower

@@ -413,6 +413,9 @@ def test_intervals_never_guess() -> None:
     assert hb.Interval(0, 2**53) < 2**53 + 1 and hb.Interval(1, 1) > np.float32(0.5)
     ninth: Any = Fraction(1, 9)
     assert hb.Interval(0.1, 0.1) < ninth
+    of_numpy: Any = np.float64(1)
+    assert type(hb.Interval(of_numpy, 2).lower) is float  # else numpy 2 prints 'np.float64(1.0)'
+    assert hb.Interval(0, 2**60 + 1).upper == 2**60 + 1
     anything: Any = interval
     wrongs: list[Callable[[], object]] = [lambda: float(anything), lambda: bool(anything), lambda: anything == 1.5, lambda: anything + 1,
                                            lambda: anything == np.float32(1.5), lambda: anything < "3", lambda: anything != 1]
