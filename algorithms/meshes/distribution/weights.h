@@ -1,6 +1,7 @@
 // Areas of triangles and lengths of segments, as weights of the pieces of A.
 #pragma once
 
+#include "algorithms/kernel/quad.h"
 #include "algorithms/kernel/triangle.h"
 
 #include <cmath>
@@ -30,7 +31,6 @@ inline Area area_of(const Triangle& t) {
     const double area = 0.5 * std::sqrt(squared_length(n));
     const double edges = std::sqrt(squared_length(x)) * std::sqrt(squared_length(y));
     if (area >= edges * 0x1p-7 && area > 0x1p-450) return {area, 0};
-    __extension__ using Quad = __float128;
     const auto component = [&](int i, int j) {
         const Quad xi = Quad(t.b[i]) - Quad(t.a[i]), xj = Quad(t.b[j]) - Quad(t.a[j]);
         const Quad yi = Quad(t.c[i]) - Quad(t.a[i]), yj = Quad(t.c[j]) - Quad(t.a[j]);

@@ -1,6 +1,7 @@
 // The statistics of the distance to B: closed forms, random pairs against bounds found in another way, and hostile
 // shapes.
 #include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/quad.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/distribution/narrow.h"
 #include "tests/support/random.h"
@@ -499,7 +500,6 @@ TEST(Distribution, EveryToleranceIsReached) {
 // One of many points, or of many equal triangles, is farther: the share of the others is not a double, and its upper
 // bound must not be below it.
 TEST(Distribution, AShareThatIsNotADouble) {
-    __extension__ using Quad = __float128;
     for (const Index count : {3000, 50'000, 70'001}) {
         for (const CountedBy weigh : {CountedBy::points, CountedBy::area}) {
             const bool number = weigh == CountedBy::points;
@@ -526,7 +526,6 @@ TEST(Distribution, AShareThatIsNotADouble) {
 }
 
 TEST(Distribution, CombinedValuesHoldUnderRounding) {
-    __extension__ using Quad = __float128;
     using Over = Statistic::Over;
     Random random(12);
     const double least = std::numeric_limits<double>::denorm_min();
