@@ -117,6 +117,10 @@ fuzz: $(DEPS)  ## run the fuzz targets, FUZZ_SECONDS each (TARGET=... for one); 
 	tools/fuzz $(or $(FUZZ_SECONDS),60) $(TARGET)
 fuzz-short: $(DEPS)  ## run all fuzz targets on their kept inputs, then a few seconds each; part of .ci/run
 	tools/fuzz --short
+same-bits: $(DEPS)  ## build the C library with clang, and for arm64 (installs packages of that architecture), whose answers must have the same bits
+	tools/same_bits $(BUILDS)
+test-container: $(DEPS)  ## run the steps of Containerfile in bare Debian roots (as root), and with podman where it is
+	HAUSBENCH_CONTAINER=1 $(PYTHON) -m pytest -q -rs tests/container
 types: $(DEPS)  ## run mypy
 	tools/types
 # With the flags of build/debug, as build/release is a unity build; without the plug-in and the recorder, which are separate projects.

@@ -95,6 +95,19 @@ def test_a_file_without_the_include_is_found() -> None:
     assert without_cstdint({rooms.ROOT / "library/errors.h": set(), (file := rooms.ROOT / "library/shape.cpp"): set()}) == [str(file.relative_to(rooms.ROOT))]
 
 
+# The program needs a Unix. The library and the Python package need Linux in few files, which a port would replace (docs/platforms.md).
+PROGRAM = ("main", "commands", "run", "plan", "result", "process", "datasets")
+OF_LINUX = {"algorithms/kernel/pages.cpp", "algorithms/plugin.cpp", "python/core/working.cpp"}
+SYSTEM = re.compile(r"^#include <(?:cxxabi|dlfcn|elf|fcntl|link|malloc|poll|pthread|sched|signal|spawn|unistd|sys/\w+)\.h>", re.MULTILINE)
+
+
+def test_the_library_needs_linux_in_few_files() -> None:
+    own = [file for file in GRAPH if rooms.room_of(file) not in PROGRAM or file.parent.name == "formats"]
+    assert {str(file.relative_to(rooms.ROOT)) for file in own if SYSTEM.search(file.read_text())} == OF_LINUX
+    page = (rooms.ROOT / "docs/platforms.md").read_text()
+    assert [file for file in OF_LINUX if f"`{file}`" not in page] == []
+
+
 def functions() -> list[tuple[int, str]]:
     """Returns each function's number of lines and its place, as found by universal-ctags."""
     command = ["ctags", "--output-format=json", "--languages=C++", "--kinds-C++=f", "--fields=+ne", "-f", "-", *map(str, rooms.sources())]
