@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+os.environ.pop("COLUMNS", None)  # pytest-xdist sets it; programs would fold their texts
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--insist", action="store_true", help="a test that is skipped has failed")

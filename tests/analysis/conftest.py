@@ -11,6 +11,14 @@ for folder in (str(HERE.parent.parent), str(HERE)):
         sys.path.insert(0, folder)
 
 
+@pytest.fixture(autouse=True)
+def no_kept_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Synthetic results name models of the kept list, with other hashes."""
+    from analysis.shared import unlike
+
+    monkeypatch.setattr(unlike, "LIST", HERE / "no list")
+
+
 @pytest.fixture()
 def tetrahedra(monkeypatch: pytest.MonkeyPatch) -> None:
     """Makes every model a tetrahedron."""

@@ -17,13 +17,13 @@ asked = pytest.mark.skipif("HAUSBENCH_CONTAINER" not in os.environ, reason="it t
 
 
 def stages(text: str) -> list[list[tuple[str, str]]]:
-    """Returns the instructions of each stage: [("RUN", "make build"), ...]."""
+    """Returns the instructions of each stage after its FROM: [("RUN", "make build"), ...]."""
     found: list[list[tuple[str, str]]] = []
     for line in text.splitlines():
         word, _, rest = line.partition(" ")
         if word == "FROM":
             found.append([])
-        if word.isupper():
+        elif word.isupper():
             found[-1].append((word, rest))
     return found
 
