@@ -27,7 +27,7 @@ SurfaceTree::SurfaceTree(const AlgebraicSurface& surface)
       derivatives_{FormEvaluator(polynomial().derivative(0)), FormEvaluator(polynomial().derivative(1)),
                    FormEvaluator(polynomial().derivative(2))} {
     const LinearForm whole = evaluator_.linear(box_);
-    if (holds_zero(whole.range())) nodes_.push_back({box_, whole});
+    if (holds_zero(whole.range())) nodes_.push_back({{box_, whole}});
 }
 
 bool SurfaceTree::may_split(std::int32_t i) const {
@@ -51,7 +51,7 @@ void SurfaceTree::split(std::int32_t i, Counters& counters) {
         }
         ++counters.polynomial_evaluations;
         const LinearForm f = evaluator_.linear(box);
-        if (holds_zero(f.range())) nodes_.push_back({box, f, -1, 0, node.depth + 1});
+        if (holds_zero(f.range())) nodes_.push_back({{box, f}, -1, 0, node.depth + 1});
     }
     Node& split = nodes_[static_cast<std::size_t>(i)];
     split.first = first;
