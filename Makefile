@@ -119,6 +119,8 @@ fuzz-short: $(DEPS)  ## run all fuzz targets on their kept inputs, then a few se
 	tools/fuzz --short
 same-bits: $(DEPS)  ## build the C library with clang, and for arm64 (installs packages of that architecture), whose answers must have the same bits
 	tools/same_bits $(BUILDS)
+other-release: $(DEPS)  ## compile everything on Debian 13, or on 12 if this is 13, without optimisation, and run the tests of kernels there (as root)
+	tools/on $(if $(shell grep trixie /etc/os-release),bookworm,trixie) 'make deps' 'tools/build small all' 'ctest --preset small -j $(JOBS) --no-tests=error -L kernels'
 test-container: $(DEPS)  ## run the steps of Containerfile in bare Debian roots (as root), and with podman where it is
 	HAUSBENCH_CONTAINER=1 $(PYTHON) -m pytest -q -rs tests/container
 types: $(DEPS)  ## run mypy
