@@ -199,8 +199,9 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
                 benchmark::DoNotOptimize(tree.certified_distance(point, counters));
                 continue;
             }
-            const ClosestPoint found = ask == Ask::textbook ? tree.textbook_closest(point, hints, counters)
-                                                            : tree.closest(point, hints, counters);
+            // Not const: DoNotOptimize() of constants is deprecated.
+            ClosestPoint found = ask == Ask::textbook ? tree.textbook_closest(point, hints, counters)
+                                                      : tree.closest(point, hints, counters);
             benchmark::DoNotOptimize(found);
             if (ask == Ask::warm) hints.warm_triangle = found.triangle;
         }

@@ -518,10 +518,17 @@ TEST(Compare, ReadsEveryColumnThatItComparesBy) {
     EXPECT_NE(compared(), before);
 }
 
+ModelRecord model_record(const char* name, const char* sha256) {
+    ModelRecord model;
+    model.name = name;
+    model.sha256 = sha256;
+    return model;
+}
+
 TEST(Compare, CountsTheRowsOfOtherShapes) {
     ResultFile base = result_of({row("guthe", "a", 1, 2), row("guthe", "b", 1, 2), row("guthe", "c", 1, 2)});
     base.texts.insert({{"build", ""}, {"machine", ""}});
-    for (const char* name : {"kept", "half", "only here"}) base.models.push_back({name, name});
+    for (const char* name : {"kept", "half", "only here"}) base.models.push_back(model_record(name, name));
     base.rows[0].asked.target = base.rows[1].asked.source = "half";
     for (Row& one : base.rows) one.asked.identity = one.asked.scene;
     EXPECT_EQ(compare_results(base, base).find("not compared"), std::string::npos);
@@ -545,7 +552,7 @@ TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     result.texts["profile"] = "paper";
     result.rows[1].asked.profile = "";
     time_it(result.rows[1], {{1, 2}, {2, 3}});
-    result.models.push_back({"needle", "its hash"});
+    result.models.push_back(model_record("needle", "its hash"));
     const TemporaryFolder folder;
     const auto file = folder.path() / "result.h5";
     write_result(file, result);
