@@ -229,7 +229,7 @@ def keep(mesh: Mesh, data: bytes, cache: Path) -> None:
 
 
 def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[Mesh, str]]:
-    """Downloads one package and keeps those of the meshes that are in it.
+    """Downloads one package and keeps the meshes that it contains.
 
     Returns the version of the package, and for each mesh that it lacks a sentence that says so.
     """

@@ -57,7 +57,7 @@ def judged(verdicts: Iterable[Verdict], results: Results) -> list[Verdict]:
 
 
 def own(verdict: Verdict, results: Results, rows: Sequence[int]) -> list[int]:
-    """Returns those of the rows that belong to the claim: the rows of the scene that its `place` names, or else all."""
+    """Returns the rows that belong to the claim: if its `place` names a scene, only the rows of this scene."""
     scenes, place = (results.whole or results).cases.scene, verdict.claim.place if isinstance(verdict.claim, claims.Claim) else ""
     there = [row for row, scene in enumerate(scenes) if place and str(scene).partition(": ")[0] == place]
     return [row for row in rows if row in there] if there else list(rows)

@@ -39,7 +39,7 @@ class Report:
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
         """Returns the table with notes on its clock and on rows that ran at the same time as others.
 
-        Verdicts on claims about larger sizes, about rows that are missing, or about other shapes than those of a kept verdict, become 'not tested'.
+        A verdict becomes 'not tested' if its claim is about larger sizes or missing rows, or if its kept verdict is about other shapes.
         """
         if self.table is None:
             return None

@@ -23,7 +23,7 @@ FEW: Final = 3  # at most so many models are named
 
 
 def kept(path: Path) -> dict[str, str]:
-    """Returns the kept hashes by model, and the first line under the name ""; none if there is no list."""
+    """Returns the kept hashes by model, and the first line under the name ""; empty if the list does not exist."""
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     return {model: sha256 for sha256, _, model in (line.partition("  ") for line in lines)}
 

@@ -65,7 +65,7 @@ def test_the_steps_in_bare_roots(tmp_path: Path) -> None:
 @asked
 def test_by_podman() -> None:
     if not shutil.which("podman"):
-        pytest.skip("there is no podman")
+        pytest.skip("podman is not installed")
     subprocess.run(["podman", "build", "-t", "hausbench-test", "."], cwd=ROOT, check=True)
     said = subprocess.run(["podman", "run", "--rm", "hausbench-test", "list"], capture_output=True, text=True, check=True).stdout
     assert "cover" in said
