@@ -2,11 +2,11 @@
 // compilers, instruction sets or processors must print the same text (tools/same_bits).
 #include <hausbench.hpp>
 
+#include <array>
 #include <cfenv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 
