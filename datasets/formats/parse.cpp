@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 
@@ -74,6 +75,13 @@ template <class T> double value_at(const char* at) {
 bool Stored::known() const {
     const bool whole = kind == 'I' || kind == 'U';
     return (whole && (size == 1 || size == 2)) || ((whole || kind == 'F') && (size == 4 || size == 8));
+}
+
+bool Stored::holds(double value) const {
+    if (kind == 'F') return true;
+    const int bits = static_cast<int>(8 * size);
+    const double least = kind == 'I' ? -std::ldexp(1.0, bits - 1) : 0;
+    return std::floor(value) == value && value >= least && value < std::ldexp(1.0, kind == 'I' ? bits - 1 : bits);
 }
 
 double Stored::value(const char* at) const {

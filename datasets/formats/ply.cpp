@@ -12,7 +12,8 @@
 // is refused, because the numbers in faces would be ambiguous.
 //
 // PLY states no unit and no axes. A coordinate is exactly the stored number; in a text file, the float32 or float64
-// nearest to the decimal number, by the type of the property.
+// nearest to the decimal number, by the type of the property. A number in a text file that an integer type cannot hold
+// is refused.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -254,12 +255,22 @@ private:
                 else if (const double value = number(property.type); axis >= 0)
                     point[axis] = value;
             }
-            if (axis >= 0) soup_.float32 = soup_.float32 || property.type.is_float32();
+            if (axis >= 0) {
+                soup_.float32 = soup_.float32 || property.type.is_float32();
+                if (!property.type.holds(point[axis])) refuse_coordinate(property, point[axis]);
+            }
         }
         if (element.is_vertices()) soup_.points.push_back(point);
         if (element.is_edges()) soup_.faces.push_back({edge[0], edge[1]});
         if (element.is_strips()) add_strip(face);
         if (element.is_faces()) soup_.faces.push_back(std::move(face));
+    }
+
+    [[noreturn]] void refuse_coordinate(const Property& property, double value) const {
+        refuse_file(
+            fmt::format("vertex {} (from 0): {} is {:.17g}, which its integer type in the header cannot hold: write "
+                        "'property double {}' there",
+                        soup_.points.size(), property.name, value, property.name));
     }
 
     [[noreturn]] void end_early() const {

@@ -280,6 +280,18 @@ TEST_F(MeshFiles, BytesAfterTheElementsOfBinaryPly) {
     refused("a.ply", head + "\4\5\6", {"3 bytes after its last element", "correct it"});
 }
 
+TEST_F(MeshFiles, IntegerTypesOfTextPly) {
+    const auto with = [](const std::string& type, const std::string& x) {
+        return "ply\nformat ascii 1.0\nelement vertex 1\nproperty " + type +
+               " x\nproperty float y\nproperty float z\n" + "end_header\n" + x + " 2 3\n";
+    };
+    EXPECT_EQ(rows(load("a.ply", with("uchar", "255"))).front(), Vec3(255, 2, 3));
+    EXPECT_EQ(rows(load("a.ply", with("short", "-32768.0"))).front(), Vec3(-32768, 2, 3));
+    for (const auto& [type, x] :
+         {std::pair("uchar", "256"), {"uchar", "-1"}, {"short", "-32769"}, {"int", "0.5"}, {"uint", "nan"}})
+        refused("a.ply", with(type, x), {"vertex 0 (from 0): x is ", "'property double x'"});
+}
+
 TEST_F(MeshFiles, NamesInPly) {
     const auto with = [](const std::string& names, const std::string& line) {
         return "ply\nformat ascii 1.0\nelement vertex 1\n" + names + "end_header\n" + line;
@@ -318,7 +330,9 @@ TEST_F(MeshFiles, FormatsWithAnotherEnding) {
         refused(name, bytes, {"begins like", "rename it to end in " + ending});
     for (const std::string name : {"a.xyz", "a.h5", "a.dat", "a.ply", "a"})
         refused(name, "\x89HDF\r\n\x1a\n....", {"HDF5", "h5py"});
-    refused("a.stl", std::string("\xff\xfes\0o\0l\0i\0d\0", 12) + std::string(200, '\0'), {"UTF-16", "UTF-8"});
+    std::string utf16("\xff\xfes\0o\0l\0i\0d\0", 12);
+    utf16.resize(212);
+    refused("a.stl", utf16, {"UTF-16", "UTF-8"});
     refused("a.stl", "solid state physics\n", {"ends inside a solid"});
     refused("a.dat", "1 2 3\n", {"'dat' is not a format", ".xyz"});
 }
