@@ -35,8 +35,8 @@ std::string shell_quoted(const std::string& text) {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
+using std::chrono::steady_clock;
 
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // bytes; a longer line means that the child is broken
 constexpr milliseconds between_looks_at_memory(20);
@@ -232,7 +232,7 @@ const std::string& Child::output() {
 }
 
 Child::Heard Child::listen(milliseconds wait, std::string& line) {
-    const auto deadline = Clock::now() + wait;
+    const auto deadline = steady_clock::now() + wait;
     std::size_t searched = 0;
     for (;;) {
         if (const std::size_t end = buffer_.find('\n', searched); end != std::string::npos) {
@@ -241,7 +241,7 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
             return Heard::line;
         }
         searched = buffer_.size();
-        const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+        const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
         const int hungry = fed_ < launch_.input.size() ? input_ : -1;  // the pipe, if there is input to write
         pollfd on[3] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}, {hungry, POLLOUT, 0}};
         const int ready = ::poll(on, 3, int(std::max<std::int64_t>(0, left.count())));
@@ -263,12 +263,12 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
 }
 
 Child::End Child::wait(const ChildLimits& limits) {
-    const auto begin = Clock::now();
+    const auto begin = steady_clock::now();
     auto next_look = begin;
     End end = End::by_itself;
     while (!status_) {
         if (end == End::by_itself) {
-            const auto now = Clock::now();
+            const auto now = steady_clock::now();
             if (HoldInterrupts::came()) end = End::interrupt;
             if (std::chrono::duration<double>(now - begin).count() >= limits.seconds) end = End::time;
             if (limits.resident_bytes < std::numeric_limits<std::int64_t>::max() && now >= next_look) {
@@ -285,10 +285,10 @@ Child::End Child::wait(const ChildLimits& limits) {
 
 // Notices the end of the child within a millisecond, or at once if the child was the last to hold the output pipe open.
 bool Child::ended_within(milliseconds wait) {
-    const auto deadline = Clock::now() + wait;
+    const auto deadline = steady_clock::now() + wait;
     for (;;) {
         look_for_end(WNOHANG);
-        if (status_ || Clock::now() >= deadline) return bool(status_);
+        if (status_ || steady_clock::now() >= deadline) return bool(status_);
         pollfd on{output_, POLLIN, 0};
         ::poll(&on, 1, 1);
         read_output();

@@ -11,11 +11,11 @@
 
 namespace hausbench {
 
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 ProgressLine::ProgressLine()
     : person_(::isatty(STDERR_FILENO) && !std::getenv("CI")),
-      begin_(Clock::now()),
+      begin_(steady_clock::now()),
       next_(begin_ + std::chrono::seconds(2)) {}
 
 ProgressLine::~ProgressLine() {
@@ -24,7 +24,7 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::draw(const std::string& doing) {
     if (!person_) return;
-    const auto now = Clock::now();
+    const auto now = steady_clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(500);
     drawn_ = true;

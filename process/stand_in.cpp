@@ -23,7 +23,7 @@
 namespace hausbench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 constexpr std::array<int, 4> passed_on = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 constexpr std::chrono::seconds time_to_end(2);  // for destructors of static objects, after all work is done
@@ -65,7 +65,7 @@ public:
                 ::kill(copy_, number);
             }
             listen();
-            if (deadline_ && Clock::now() > *deadline_) {
+            if (deadline_ && steady_clock::now() > *deadline_) {
                 ::kill(copy_, SIGKILL);
                 ::waitpid(copy_, &status_, 0);
                 if (code_) return *code_;
@@ -118,8 +118,8 @@ private:
     void hear(const std::string& line) {
         const auto allow = [&](double seconds) {
             seconds_ = seconds;
-            deadline_ =
-                Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+            deadline_ = steady_clock::now() +
+                        std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
         };
         int code = 0, at = 0;
         double seconds = 0;
@@ -139,7 +139,7 @@ private:
     int pipe_;
     std::string blamed_, buffer_, doing_;
     double seconds_ = 0;
-    std::optional<Clock::time_point> deadline_;
+    std::optional<steady_clock::time_point> deadline_;
     std::optional<int> code_;
     bool closed_ = false;
     int status_ = 0, passed_ = 0;

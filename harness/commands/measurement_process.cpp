@@ -19,7 +19,7 @@
 namespace hausbench {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 namespace {
 
@@ -156,7 +156,7 @@ public:
             if (HoldInterrupts::came()) return;
             switch (child_.listen(std::chrono::milliseconds(20), line)) {
                 case Child::Heard::nothing:
-                    if (Clock::now() > deadline_) return late();
+                    if (steady_clock::now() > deadline_) return late();
                     progress_.draw(doing());
                     break;
                 case Child::Heard::closed:
@@ -181,7 +181,8 @@ private:
     void allow(const char* phase) {
         phase_ = phase;
         const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock cannot hold infinity
-        deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+        deadline_ = steady_clock::now() +
+                    std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
     }
 
     // Kills the child and records why. An answer that has already arrived stays valid; only its fields or its
@@ -284,7 +285,7 @@ private:
     Measured& measured_;
     std::optional<Measured> so_far_;  // with the last bounds that the child has sent before it answers
     const char* phase_ = "";
-    Clock::time_point deadline_;
+    steady_clock::time_point deadline_;
     bool ended_ = false;
 };
 

@@ -17,11 +17,13 @@
 
 namespace hausbench {
 
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 namespace {
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(steady_clock::time_point begin) {
+    return std::chrono::duration<double>(steady_clock::now() - begin).count();
+}
 
 class Solving {
 public:
@@ -56,7 +58,7 @@ public:
     }
 
     void solve() {
-        begin_ = Clock::now();
+        begin_ = steady_clock::now();
         if (!work_.request.asks_for_h()) {
             measured_.result = ask(*forward_, query_, measured_.forward_seconds,
                                    [&](Result& so_far) { measured_.result = std::move(so_far); });
@@ -86,7 +88,7 @@ public:
     void write_certificate(const std::function<void()>& written) {
         Query query = query_;
         query.wanted.certificate = true;
-        begin_ = Clock::now();
+        begin_ = steady_clock::now();
         double ignored = 0;
         Result result;
         if (!work_.request.asks_for_h()) {
@@ -169,7 +171,7 @@ private:
     // `keep` stores an answer so far in `measured_`.
     Result ask(const Session& session, Query query, double& seconds,
                const std::function<void(Result&)>& keep = nullptr) const {
-        const auto begin = Clock::now();
+        const auto begin = steady_clock::now();
         query.time_limit = std::max(0.0, query.time_limit - seconds_since(begin_));
         Trace trace;
         if (keep) {
@@ -228,7 +230,7 @@ private:
     Measured& measured_;
     const MeasureSteps& steps_;
     Query query_;
-    Clock::time_point begin_;
+    steady_clock::time_point begin_;
     std::optional<Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
 };
 

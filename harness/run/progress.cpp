@@ -12,7 +12,7 @@
 
 namespace hausbench {
 
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 namespace {
 
@@ -24,20 +24,20 @@ Progress::Progress(bool quiet, double pause)
     : quiet_(quiet),
       person_(::isatty(STDERR_FILENO) && !std::getenv("CI")),
       pause_(pause),
-      begin_(Clock::now()),
+      begin_(steady_clock::now()),
       drawn_(begin_) {}
 
 Progress::~Progress() { erase(); }
 
 void Progress::total(std::size_t cases) {
     total_ = cases;
-    begin_ = Clock::now();
+    begin_ = steady_clock::now();
 }
 
 void Progress::left_by(std::function<double(double gone_by)> seconds) { seconds_left_ = std::move(seconds); }
 
 std::string Progress::time() const {
-    const double gone_by = std::chrono::duration<double>(Clock::now() - begin_).count();
+    const double gone_by = std::chrono::duration<double>(steady_clock::now() - begin_).count();
     if (done_ == 0 || done_ >= total_) return clock_text(gone_by);
     const double left = seconds_left_ ? seconds_left_(gone_by) : gone_by * double(total_ - done_) / double(done_);
     return fmt::format("{}, about {} left", clock_text(gone_by), clock_text(left));
@@ -48,7 +48,7 @@ void Progress::erase() {
 }
 
 void Progress::draw() {
-    drawn_ = Clock::now();
+    drawn_ = steady_clock::now();
     fmt::print(stderr, "\r\033[K[{}/{}] {} | {}", done_, total_, time(), what_);
     std::fflush(stderr);
 }
@@ -61,14 +61,14 @@ void Progress::doing(const std::string& what) {
 void Progress::done(std::size_t cases) {
     done_ += cases;
     if (quiet_ || total_ == 0) return;
-    const std::chrono::duration<double> silent = Clock::now() - drawn_;
+    const std::chrono::duration<double> silent = steady_clock::now() - drawn_;
     if (person_ && silent.count() > 0.1) draw();
     if (!person_ && silent.count() > pause_) line(what_);
 }
 
 void Progress::line(const std::string& text) {
     if (quiet_) return;
-    drawn_ = Clock::now();
+    drawn_ = steady_clock::now();
     erase();
     if (person_ || total_ == 0)
         fmt::print(stderr, "{}\n", printable(text));

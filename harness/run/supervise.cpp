@@ -12,7 +12,7 @@
 namespace hausbench {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
 namespace {
 
@@ -79,26 +79,27 @@ public:
 private:
     // Sets the deadline for the next event.
     void allow(double seconds) {
-        deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+        deadline_ = steady_clock::now() +
+                    std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
     }
 
     // Kills the worker if it exceeds its memory limit. Returns whether it was killed. Checks at most once per `turn`,
     // no matter how many events the worker sends.
     bool kill_if_too_large() {
-        if (Clock::now() < next_look_) return false;
+        if (steady_clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
         if (worker_.takes_more_than(limit)) {
             fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
             return true;
         }
-        next_look_ = Clock::now() + turn;
+        next_look_ = steady_clock::now() + turn;
         return false;
     }
 
     // Kills the worker if its deadline has passed. Returns whether it was killed. Call this only if no event is
     // waiting, because an event that was sent in time counts.
     bool kill_if_late() {
-        if (Clock::now() <= deadline_) return false;
+        if (steady_clock::now() <= deadline_) return false;
         const Limits& limits = order_.limits;
         fail(RowStatus::timeout,
              prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
@@ -267,7 +268,7 @@ private:
     const WorkOrder& order_;
     const Supervision& report_;
     Child& worker_;
-    Clock::time_point deadline_, next_look_ = Clock::now();
+    steady_clock::time_point deadline_, next_look_ = steady_clock::now();
     bool prepared_ = false, began_ = false;
     std::size_t finished_ = 0,
                 chain_end_;          // the present chain: items [finished_, chain_end_) of the order

@@ -29,9 +29,11 @@
 namespace hausbench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(steady_clock::time_point begin) {
+    return std::chrono::duration<double>(steady_clock::now() - begin).count();
+}
 
 class Penetration final : public Solver {
 public:
@@ -47,7 +49,7 @@ public:
     std::size_t prepared_bytes() const override { return source_->bytes() + target_->bytes(); }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const auto begin = Clock::now();
+        const auto begin = steady_clock::now();
         Result result;
         result.bounds = {0, 0};
         if (!boxes_overlap(query)) return ended(query, result);
