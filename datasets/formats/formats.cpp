@@ -36,7 +36,8 @@ const std::vector<Format> table = {
      "PLY",
      read_ply,
      "vertices, faces, triangle strips and edges (segments), as text or binary",
-     "files whose only faces are other elements with lists of vertices",
+     "files whose only faces are other elements with lists of vertices; in text, coordinates that their integer type "
+     "cannot hold",
      "not stated",
      "not stated",
      "none: the stored numbers; in text the nearest float32 or float64, by the property's type"},

@@ -12,8 +12,8 @@
 // is refused, because the numbers in faces would be ambiguous.
 //
 // PLY states no unit and no axes. A coordinate is exactly the stored number; in a text file, the float32 or float64
-// nearest to the decimal number, by the type of the property. A number in a text file that an integer type cannot hold
-// is refused.
+// nearest to the decimal number, by the type of the property. A coordinate in a text file that its integer type cannot
+// hold is refused.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -268,8 +268,8 @@ private:
 
     [[noreturn]] void refuse_coordinate(const Property& property, double value) const {
         refuse_file(
-            fmt::format("vertex {} (from 0): {} is {:.17g}, which its integer type in the header cannot hold: write "
-                        "'property double {}' there",
+            fmt::format("vertex {} (from 0): {} is {:.17g}, which its integer type cannot hold: write 'property "
+                        "double {}' in the header",
                         soup_.points.size(), property.name, value, property.name));
     }
 

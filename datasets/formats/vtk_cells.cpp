@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace hausbench::readers {
 namespace {
@@ -97,15 +96,11 @@ std::size_t least_corners(Kind kind) { return kind == Kind::points ? 1 : kind ==
 std::optional<double> vtk_number(std::string_view word, Stored type) {
     if (type.is_float32()) return decimal<float>(word);
     if (type.kind == 'F') return decimal(word);
-    if (type.kind == 'U') {
-        const auto value = whole<std::uint64_t>(word);
-        const bool fits = value && (type.size == 8 || *value >> (8 * type.size) == 0);
-        return fits ? std::optional(static_cast<double>(*value)) : std::nullopt;
-    }
-    const auto value = whole<std::int64_t>(word);
-    if (!value) return std::nullopt;
-    const std::int64_t most = std::numeric_limits<std::int64_t>::max() >> (64 - 8 * type.size);
-    return *value >= -most - 1 && *value <= most ? std::optional(static_cast<double>(*value)) : std::nullopt;
+    const auto fitting = [&](auto value) -> std::optional<double> {
+        if (!value || (type.size < 8 && !type.holds(static_cast<double>(*value)))) return std::nullopt;
+        return static_cast<double>(*value);
+    };
+    return type.kind == 'U' ? fitting(whole<std::uint64_t>(word)) : fitting(whole<std::int64_t>(word));
 }
 
 std::int64_t vtk_integer(double value) {

@@ -1,6 +1,7 @@
 #include "harness/commands/measurement_solve.h"
 
 #include "algorithms/error.h"
+#include "algorithms/session/adapter.h"
 #include "algorithms/session/session.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_file.h"
@@ -11,19 +12,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 
 namespace hausbench {
 
-using std::chrono::steady_clock;
-
 namespace {
-
-double seconds_since(steady_clock::time_point begin) {
-    return std::chrono::duration<double>(steady_clock::now() - begin).count();
-}
 
 class Solving {
 public:
@@ -58,7 +52,7 @@ public:
     }
 
     void solve() {
-        begin_ = steady_clock::now();
+        clock_ = {};
         if (!work_.request.asks_for_h()) {
             measured_.result = ask(*forward_, query_, measured_.forward_seconds,
                                    [&](Result& so_far) { measured_.result = std::move(so_far); });
@@ -67,7 +61,7 @@ public:
         } else {
             solve_both();
         }
-        measured_.solve_seconds = seconds_since(begin_);
+        measured_.solve_seconds = clock_.elapsed();
     }
 
     void write_fields(const std::function<void()>& drawn) {
@@ -88,7 +82,7 @@ public:
     void write_certificate(const std::function<void()>& written) {
         Query query = query_;
         query.wanted.certificate = true;
-        begin_ = steady_clock::now();
+        clock_ = {};
         double ignored = 0;
         Result result;
         if (!work_.request.asks_for_h()) {
@@ -171,20 +165,20 @@ private:
     // `keep` stores an answer so far in `measured_`.
     Result ask(const Session& session, Query query, double& seconds,
                const std::function<void(Result&)>& keep = nullptr) const {
-        const auto begin = steady_clock::now();
-        query.time_limit = std::max(0.0, query.time_limit - seconds_since(begin_));
+        const WallClock clock;
+        query.time_limit = clock_.left(query.time_limit);
         Trace trace;
         if (keep) {
             trace.watch([&](Result& so_far) {
                 keep(so_far);
-                seconds = seconds_since(begin);
-                measured_.solve_seconds = seconds_since(begin_);
+                seconds = clock.elapsed();
+                measured_.solve_seconds = clock_.elapsed();
                 steps_.closer();
             });
         }
         Result result = session.solve(query, trace);
         result.note = one_line(result.note);
-        seconds = seconds_since(begin);
+        seconds = clock.elapsed();
         return result;
     }
 
@@ -230,7 +224,7 @@ private:
     Measured& measured_;
     const MeasureSteps& steps_;
     Query query_;
-    steady_clock::time_point begin_;
+    WallClock clock_;                                   // since the questions began, which share the time limit
     std::optional<Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
 };
 

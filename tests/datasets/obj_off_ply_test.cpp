@@ -289,7 +289,7 @@ TEST_F(MeshFiles, IntegerTypesOfTextPly) {
     EXPECT_EQ(rows(load("a.ply", with("short", "-32768.0"))).front(), Vec3(-32768, 2, 3));
     for (const auto& [type, x] :
          {std::pair("uchar", "256"), {"uchar", "-1"}, {"short", "-32769"}, {"int", "0.5"}, {"uint", "nan"}})
-        refused("a.ply", with(type, x), {"vertex 0 (from 0): x is ", "'property double x'"});
+        refused("a.ply", with(type, x), {"vertex 0 (from 0): x is ", "'property double x' in the header"});
 }
 
 TEST_F(MeshFiles, NamesInPly) {

@@ -18,22 +18,16 @@
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
+#include "algorithms/session/adapter.h"
 #include "algorithms/session/session.h"
 #include "algorithms/session/symmetric.h"
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 
 namespace hausbench {
 namespace {
-
-using std::chrono::steady_clock;
-
-double seconds_since(steady_clock::time_point begin) {
-    return std::chrono::duration<double>(steady_clock::now() - begin).count();
-}
 
 class Penetration final : public Solver {
 public:
@@ -49,18 +43,18 @@ public:
     std::size_t prepared_bytes() const override { return source_->bytes() + target_->bytes(); }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const auto begin = steady_clock::now();
+        const WallClock clock;
         Result result;
         result.bounds = {0, 0};
         if (!boxes_overlap(query)) return ended(query, result);
         if (const std::string why = flaw(); !why.empty()) return refused(why);
         const CommonVolume common = common_volume(*source_, query.source_pose, *target_, query.target_pose);
         if (!common.failure.empty()) return refused(common.failure);
-        const double cut = seconds_since(begin);
+        const double cut = clock.elapsed();
         std::size_t measured = 0;
         for (std::size_t i = 0; i < common.parts.size(); ++i) {
             Query asked = query;
-            asked.time_limit = std::max(0.0, query.time_limit - seconds_since(begin));
+            asked.time_limit = clock.left(query.time_limit);
             if (!each_part_) asked.floor = std::max(query.floor, result.bounds.lower);
             // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
             if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
@@ -74,7 +68,7 @@ public:
         result.reported["triangles measured"] = double(measured);
         if (query.wanted.stages) {
             result.reported[std::string(stage_prefix) + "cut"] = cut;
-            result.reported[std::string(stage_prefix) + "measure"] = seconds_since(begin) - cut;
+            result.reported[std::string(stage_prefix) + "measure"] = clock.elapsed() - cut;
         }
         return ended(query, result);
     }
