@@ -15,7 +15,7 @@
 namespace hausbench {
 namespace {
 
-using Interval = CGAL::Interval_nt<false>;
+using Enclosure = CGAL::Interval_nt<false>;
 
 // A hash table of points by the grid cell that contains them.
 class Grid {
@@ -78,9 +78,9 @@ struct Judged {
 
 // Requires upward rounding.
 Judged judge(const Vec3& p, const Vec3& q, double upper) {
-    Interval sum(0);
-    for (int k = 0; k < 3; ++k) sum += CGAL::square(Interval(p[k]) - Interval(q[k]));
-    const Interval most = CGAL::square(Interval(upper));
+    Enclosure sum(0);
+    for (int k = 0; k < 3; ++k) sum += CGAL::square(Enclosure(p[k]) - Enclosure(q[k]));
+    const Enclosure most = CGAL::square(Enclosure(upper));
     const bool certain = sum.sup() <= most.inf();
     return {certain, !certain && !(sum.inf() > most.sup())};
 }

@@ -14,7 +14,7 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::size_t widest = 100;                          // most characters of a line
+constexpr std::size_t widest_line = 100;                     // most characters of a line
 constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of options begin
 
 // An option or positional argument of a verb.
@@ -115,7 +115,7 @@ std::string help_of_program(const CLI::App& program, std::size_t width) {
 
 std::string Help::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
     const std::size_t terminal = paper_of_output().width;
-    const std::size_t width = terminal == 0 ? widest : std::clamp(terminal, option_column + 20, widest);
+    const std::size_t width = terminal == 0 ? widest_line : std::clamp(terminal, option_column + 20, widest_line);
     return app->get_parent() ? help_of_verb(*app, width) : help_of_program(*app, width);
 }
 

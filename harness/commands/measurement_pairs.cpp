@@ -91,7 +91,7 @@ std::string more_fields(const Measured& m, bool known) {
     return fmt::format("{}", fmt::join(fields, ","));
 }
 
-constexpr const char* columns =
+constexpr const char* columns_of_pairs =
     "A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error,witness_direction,source_x,source_y,"
     "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a,gap,"
     "tolerance_absolute,certified,notes";
@@ -183,7 +183,7 @@ NamedPairs read_pairs(const fs::path& list) {
 
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
-    std::string header = columns;
+    std::string header = columns_of_pairs;
     for (const Statistic& one : columns_of_statistics(request)) {
         std::string name = to_string(one);
         std::replace(name.begin(), name.end(), ' ', '_');

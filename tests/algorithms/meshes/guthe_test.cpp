@@ -359,7 +359,7 @@ TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
                 add(cold_work, cold.counters);
                 add(warm_work, warm.counters);
             }
-            const auto less = [&](std::uint64_t Counters::*member) {
+            const auto less = [&, name = name, share = share](std::uint64_t Counters::*member) {
                 EXPECT_LT(static_cast<double>(warm_work.*member), share * static_cast<double>(cold_work.*member))
                     << name << ", stride " << stride;
             };

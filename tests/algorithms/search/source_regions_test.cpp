@@ -91,11 +91,11 @@ TEST(SourceRegions, SettlesOrShowsEachTriangleOnceAndItsBoundHolds) {
         std::vector<Vec3> left_out;
         std::vector<double> uppers;
         const bool done = regions.walk(
-            [&](Index triangle, Index near) {
+            [&, &a = a](Index triangle, Index near) {
                 seen.insert(triangle);
                 for (const Index v : a.triangles.row(triangle)) bounds.measure(points.row(v), near, triangle, 0);
             },
-            [&](Index triangle, double upper, Index) {
+            [&, &a = a](Index triangle, double upper, Index) {
                 seen.insert(triangle);
                 EXPECT_LE(upper, bounds.purged_at_most(0));
                 const Index v = a.triangles(triangle, static_cast<Index>(random.below(3)));

@@ -115,7 +115,7 @@ TEST(DistanceFields, AreWithinTheirError) {
         const double error = field_error(std::max(there.cwiseAbs().maxCoeff(), mesh.vertices.cwiseAbs().maxCoeff()));
         for (Index i = 0; i < 6; ++i) {
             std::optional<exact::Rational> least;
-            const auto to = [&](Index t) {
+            const auto to = [&, &mesh = mesh](Index t) {
                 const auto corner = [&](int k) {
                     return exact::vector(mesh.vertices.row(mesh.triangles(t, k)).transpose());
                 };
