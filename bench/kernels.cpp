@@ -330,8 +330,8 @@ std::string take_option(int& argc, char** argv, std::string_view option, const c
 
 int main(int argc, char** argv) {
     using namespace hausbench;
-    const std::string pairs = take_option(argc, argv, "--pairs=", "");
-    const std::string meshes = take_option(argc, argv, "--meshes=", pairs.empty() ? "torus:187" : "");
+    const std::string wanted_pairs = take_option(argc, argv, "--pairs=", "");
+    const std::string meshes = take_option(argc, argv, "--meshes=", wanted_pairs.empty() ? "torus:187" : "");
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     register_machine();
@@ -342,7 +342,7 @@ int main(int argc, char** argv) {
         register_subject(*subjects.back());
     });
     std::vector<std::unique_ptr<PairOfMeshes>> loaded;
-    each_of(pairs, [&](const std::string& name) {
+    each_of(wanted_pairs, [&](const std::string& name) {
         const std::size_t colon = std::min(name.find(':'), name.size() - 1);
         PairOfMeshes pair{model_mesh(name.substr(0, colon)), model_mesh(name.substr(colon + 1)), nullptr};
         PairOfMeshes& kept = *loaded.emplace_back(std::make_unique<PairOfMeshes>(std::move(pair)));
