@@ -93,13 +93,13 @@ TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames
 // A rotation axis may have any length, even if its squared length overflows or underflows.
 TEST(Motions, AnAxisMayHaveAnyLength) {
     const Shape shape = PointSet{Points::Random(9, 3)};
-    const std::vector<Pose> poses = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);
+    const std::vector<Pose> expected = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);
     for (const int exponent : {-1060, -537, -530, 530, 1000}) {
         const std::vector<Pose> others = poses_of(Rotation{std::ldexp(1.0, exponent) * Vec3(0.5, -1, 2), 90, 3}, shape);
-        ASSERT_EQ(others.size(), poses.size());
-        for (std::size_t i = 0; i < poses.size(); ++i) {
-            EXPECT_EQ(others[i].rotation, poses[i].rotation) << exponent;
-            EXPECT_EQ(others[i].translation, poses[i].translation) << exponent;
+        ASSERT_EQ(others.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            EXPECT_EQ(others[i].rotation, expected[i].rotation) << exponent;
+            EXPECT_EQ(others[i].translation, expected[i].translation) << exponent;
         }
     }
 }
