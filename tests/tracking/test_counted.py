@@ -229,7 +229,8 @@ def test_instructions_are_the_same_from_run_to_run(tmp_path: Path) -> None:
     if isinstance(first, NotMeasured) and first.skipped:
         pytest.skip(str(first))
     assert isinstance(first, int), first
-    assert first > 1_000_000 and counted.instructions_of(PROGRAM, case, tmp_path) == first
+    again = counted.instructions_of(PROGRAM, case, tmp_path)
+    assert first > 1_000_000 and again == pytest.approx(first, rel=1e-5)  # where memory lies can cost the C library a few instructions
 
 
 OUT = """\
