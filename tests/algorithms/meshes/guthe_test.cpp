@@ -359,9 +359,9 @@ TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
                 add(cold_work, cold.counters);
                 add(warm_work, warm.counters);
             }
-            const auto less = [&, name = name, share = share](std::uint64_t Counters::*member) {
-                EXPECT_LT(static_cast<double>(warm_work.*member), share * static_cast<double>(cold_work.*member))
-                    << name << ", stride " << stride;
+            const auto less = [&, label = name, most = share](std::uint64_t Counters::*member) {
+                EXPECT_LT(static_cast<double>(warm_work.*member), most * static_cast<double>(cold_work.*member))
+                    << label << ", stride " << stride;
             };
             if (stride > 1) continue;
             less(&Counters::closest_point_queries);

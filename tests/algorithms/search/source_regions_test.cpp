@@ -91,14 +91,14 @@ TEST(SourceRegions, SettlesOrShowsEachTriangleOnceAndItsBoundHolds) {
         std::vector<Vec3> left_out;
         std::vector<double> uppers;
         const bool done = regions.walk(
-            [&, &a = a](Index triangle, Index near) {
+            [&, &source = a](Index triangle, Index near) {
                 seen.insert(triangle);
-                for (const Index v : a.triangles.row(triangle)) bounds.measure(points.row(v), near, triangle, 0);
+                for (const Index v : source.triangles.row(triangle)) bounds.measure(points.row(v), near, triangle, 0);
             },
-            [&, &a = a](Index triangle, double upper, Index) {
+            [&, &source = a](Index triangle, double upper, Index) {
                 seen.insert(triangle);
                 EXPECT_LE(upper, bounds.purged_at_most(0));
-                const Index v = a.triangles(triangle, static_cast<Index>(random.below(3)));
+                const Index v = source.triangles(triangle, static_cast<Index>(random.below(3)));
                 left_out.push_back(points.row(v));
                 uppers.push_back(upper);
             });

@@ -209,7 +209,7 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
                 const double expected =
                     std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) *
                     units.inverse;
-                const auto distance = [&, &name = name]<class T>(const NearTriangles<T>& frames) {
+                const auto distance = [&, &scene_name = name]<class T>(const NearTriangles<T>& frames) {
                     TriangleFrames<T> one;
                     for (std::size_t r = 0; r < frame_row::count; ++r)
                         std::fill_n(one.row[r], frames_width, frames.row(r)[k]);
@@ -219,7 +219,7 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
                     const double error = near_error<T> * frame_roundoff<T> *
                                              (local.norm() + static_cast<double>(frames.row(frame_row::count)[k])) +
                                          64 * 0x1p-53 * size * units.inverse + frame_underflow<T>;
-                    EXPECT_NEAR(std::sqrt(static_cast<double>(squared[0])), expected, error) << name;
+                    EXPECT_NEAR(std::sqrt(static_cast<double>(squared[0])), expected, error) << scene_name;
                 };
                 distance(near);
                 distance(exactly);

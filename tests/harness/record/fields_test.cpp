@@ -115,9 +115,9 @@ TEST(DistanceFields, AreWithinTheirError) {
         const double error = field_error(std::max(there.cwiseAbs().maxCoeff(), mesh.vertices.cwiseAbs().maxCoeff()));
         for (Index i = 0; i < 6; ++i) {
             std::optional<exact::Rational> least;
-            const auto to = [&, &mesh = mesh](Index t) {
+            const auto to = [&, &target = mesh](Index t) {
                 const auto corner = [&](int k) {
-                    return exact::vector(mesh.vertices.row(mesh.triangles(t, k)).transpose());
+                    return exact::vector(target.vertices.row(target.triangles(t, k)).transpose());
                 };
                 return exact::squared_distance_to_triangle(exact::vector(there.row(i).transpose()), corner(0),
                                                            corner(1), corner(2));
