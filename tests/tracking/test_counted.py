@@ -230,7 +230,8 @@ def test_instructions_are_the_same_from_run_to_run(tmp_path: Path) -> None:
         pytest.skip(str(first))
     assert isinstance(first, int), first
     again = counted.instructions_of(PROGRAM, case, tmp_path)
-    assert first > 1_000_000 and again == pytest.approx(first, rel=1e-5)  # where memory lies can cost the C library a few instructions
+    # Equal in nearly every run; once 4 instructions of 4.8 million more, for a reason that is not known; far below counted.LIMIT.
+    assert first > 1_000_000 and again == pytest.approx(first, rel=1e-5)
 
 
 OUT = """\
