@@ -145,8 +145,8 @@ track: tracked  ## compare counters, instructions and times with the commit BASE
 	"$(HAUSBENCH_PROGRAM)" track --base "$(or $(BASE),HEAD)" $(TRACK_ARGS)
 track-counts: tracked  ## only the tiers of track that need no clock; no instructions without a baseline for this compiler; part of .ci/run
 	"$(HAUSBENCH_PROGRAM)" track --tiers counters,instructions
-history: $(DEPS)  ## draw the history of times and counts (results/history.csv); REVS="v1 v2" measures these commits first
-	$(PYTHON) -m bench.tracking.history $(if $(REVS),--measure $(REVS))
+history: $(DEPS)  ## measure commits side by side: REVS="v1 HEAD"; adds them to results/history.csv, which the report draws
+	$(PYTHON) -m bench.tracking.history $(REVS)
 bisect: $(DEPS)  ## find the commit that changed the counters or instructions of a case; CASE="guthe on mesh to its half" GOOD=v1 BAD=v2
 	$(PYTHON) -m bench.tracking.bisection --case "$(CASE)" --good "$(GOOD)" --bad "$(or $(BAD),HEAD)"
 bench: $(DEPS)  ## time the kernels one by one and against Embree and CGAL; tools/bench --reference writes to results/reference

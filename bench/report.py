@@ -1,4 +1,4 @@
-"""Writes the table of kernel comparisons from the CSV of kernel_compare and of bench/tracking/versions.py.
+"""Writes the table of kernel comparisons from the CSV of kernel_compare.
 
     python3 -m bench.report FILE.csv ... > results/reference/kernels.md
 """
@@ -23,16 +23,13 @@ PARTS = {
     "query": ("Closest point queries from each vertex of a near mesh, but for the warm start each from nothing",
               "ns a query", 1.0, "queries"),
     "certification": ("What certification costs: `guthe`, solving, tolerance 1e-6 of the diagonal of A", "ms", 1e6, ""),
-    "version": ("`guthe` before the present kernels, tolerance 1e-6 of the diagonal of A, preparing and solving", "ms", 1e6,
-                ""),
 }
 
 HEAD = """# Kernels, measured
 
 Made by `tools/bench --reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
-time is CPU time (where versions are compared, preparing is wall time), the median of the rounds. A ratio is that
-contender's time over the first one's, the median over rounds with a 95 % order-statistic interval: above 1, the first
-is faster. Only ratios within one table mean anything.
+time is CPU time, the median of the rounds. A ratio is that contender's time over the first one's, the median over rounds
+with a 95 % order-statistic interval: above 1, the first is faster. Only ratios within one table mean anything.
 
 BVH, octree and triangle blocks are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
 precision: vertices are rounded to float beforehand, off the clock, queries as they come; one thread, default build
@@ -49,7 +46,6 @@ CLAIMS = [
     ("a query takes no longer than Embree's", "query", "Embree", 1.0, True),
     ("a query takes at most a third of CGAL's time", "query", "CGAL", 3.0, True),
     ("certification costs less than 20 %", "certification", "guthe (certified)", 1.2, False),
-    ("`guthe` is faster than it was", "version", "guthe (at", 1.0, True),
 ]
 
 

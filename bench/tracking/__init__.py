@@ -9,9 +9,7 @@ timed.py      tier 3, measurement: pairs of blocks
 places.py     puts both sides of a pair under paths of the same length
 together.py   runs both blocks of a pair at the same time on one core
 track.py      the three tiers, the verdict and the exit code
-trials.py     tests the gate: its verdicts on builds with a known answer
-history.py    results/history.csv: past commits, measured in turn; steps.py finds steps in it, picture.py draws it
+history.py    results/history.csv: past commits, measured in turn; the report draws it
 bisection.py  finds the commit that changed the counters or the instructions of a case
-versions.py   compares preparing and solving with an older commit, for the table of the kernels
 progress.py   shows the progress of a long measurement
 """

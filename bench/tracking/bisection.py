@@ -78,8 +78,8 @@ def case_named(name: str, experiment: Path) -> Case:
     """Returns the case. Raises ValueError unless exactly one case has the name."""
     known = cases(experiment)
     if any(one.name.startswith(name) for one in KERNELS) and not any(case.name.startswith(name) for case in known):
-        raise ValueError(f"{name!r} is a kernel: kernels count no work, so they cannot be searched; the table of steps of `make history` says between which "
-                         "commits the time or the instructions of one changed")
+        raise ValueError(f"{name!r} is a kernel: kernels count no work, so they cannot be searched; `make history` measures "
+                         "their times and instructions at several commits")
     found = chosen([name], known)
     exact = [case for case in found if case.name == name]
     if len(exact or found) != 1:

@@ -135,21 +135,19 @@ def run_words(program: Path, file: Path) -> list[str]:
 
 
 @contextmanager
-def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Iterator[Job[Block]]:
+def job_of_case(program: Path, case: Case, folder: Path, root: Path | None = None) -> Iterator[Job[Block]]:
     """Yields the job that runs the case in `folder`; then deletes its files. An unsound row (exit code 1) still has a time."""
     file = write_case(case, folder)
-    result = file.with_suffix(".planted.h5" if slowdown else ".h5")
-    planted = ["--planted-slowdown", f"{slowdown:.0e}"] if slowdown else []
     try:
         with fresh_copy(program, root) as copy:
-            yield Job(run_words(copy, file) + planted, folder, lambda _: read(result), (0, 1), root)
+            yield Job(run_words(copy, file), folder, lambda _: read(file.with_suffix(".h5")), (0, 1), root)
     finally:
         for left in folder.glob(f"{file.stem}*"):
             left.unlink()
 
 
-def measure(program: Path, case: Case, folder: Path, slowdown: float = 0) -> Block:
-    with job_of_case(program, case, folder, slowdown) as job:
+def measure(program: Path, case: Case, folder: Path) -> Block:
+    with job_of_case(program, case, folder) as job:
         return job.alone()
 
 

@@ -8,7 +8,7 @@ that all of them hold with 95 %.
 Every case has SCREENING blocks per side. A case alarms if the lower end of its ratio is above 1 + LEAST. If its median ratio is
 above 1 + SUSPECT, it gets more blocks until they cannot change whether it alarms. This alarms no more often than if all cases had
 as many blocks, so the confidence is kept. A case is red if it alarms in a second, independent run, too. The gate tests itself in
-one case: the base beside itself must not alarm, and a planted slowdown of PLANTED must.
+one case, with the base beside itself: its times must not alarm, and must if one side is multiplied by 1 + PLANTED.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 from analysis.shared.statistics import NO_DATA, Estimate, order_statistic_rank, paired_ratio
 
 LEAST = 0.03  # smaller slowdowns do not alarm
-PLANTED = 0.05  # share of the solve time; the gate must detect it to be believed
+PLANTED = 0.05  # the slowdown that the gate must detect to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
 SCREENING = 24  # blocks per side; half as many would give the confidence that about a dozen cases need
 SUSPECT = 0.02  # cases with a smaller median excess get no more blocks; an alarm needs more than LEAST
@@ -43,7 +43,7 @@ class Verdict(IntEnum):
 
 @dataclass
 class Sides:
-    """Seconds of each block of a case, as measured, two per turn. For a planted slowdown, `base` is the candidate without it."""
+    """Seconds of each block of a case, two per turn."""
 
     base: list[float] = field(default_factory=list)
     candidate: list[float] = field(default_factory=list)
@@ -51,14 +51,18 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """Ratios of times of a case: candidate to base; in the self-test also base to itself, and planted to not planted."""
+    """Ratios of times of a case: candidate to base; in the self-test also the base to itself, with a planted slowdown."""
 
     name: str
     base_seconds: float
     ratio: Estimate
-    itself: Estimate = NO_DATA
     planted: Estimate = NO_DATA
     second: Estimate = NO_DATA  # from the second run, if the first alarmed
+
+    @property
+    def itself(self) -> Estimate:
+        """Returns the ratio of the self-test without the planted slowdown."""
+        return times(self.planted, 1 / (1 + PLANTED))
 
     @property
     def alarms(self) -> bool:
@@ -112,6 +116,10 @@ def judge(name: str, sides: Sides, cases: int) -> Judged:
     return Judged(name, statistics.median(sides.base), compare(sides.candidate, sides.base, cases))
 
 
+def times(ratio: Estimate, factor: float) -> Estimate:
+    return replace(ratio, value=factor * ratio.value, low=factor * ratio.low, high=factor * ratio.high)
+
+
 def inverse(ratio: Estimate) -> Estimate:
     return Estimate(1 / ratio.value, 1 / ratio.high, 1 / ratio.low, ratio.n, ratio.coverage)
 
@@ -119,7 +127,7 @@ def inverse(ratio: Estimate) -> Estimate:
 def self_test(judged: Sequence[Judged]) -> list[str]:
     """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no difference of the base from itself."""
     failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: the difference is not between the builds"
-                for one in judged if one.itself.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
+                for one in judged if one.planted.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
     planted = [one for one in judged if one.planted.n]
     failures += [f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
                  for one in planted if not alarms(one.planted)]

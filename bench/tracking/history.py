@@ -1,11 +1,10 @@
 """The history of timings, results/history.csv: the time of each case at each commit, by machine.
 
-    python3 -m bench.tracking.history [--measure REV ...] [--blocks 8] [--no-instructions]
+    python3 -m bench.tracking.history REV ... [--blocks 8] [--no-instructions]
 
-Measures the commits that --measure names, if any, and draws the whole history (picture.py). Every commit runs its cases with its
-own program on its own models, in rounds: in each round, each commit measures each case once. Rounds go forth and back, so that a
-drift of the machine affects all commits alike. A case that a commit does not know stays empty. The file is written after every
-round, so Ctrl-C loses at most one round.
+Measures the given commits and adds them. Every commit runs its cases with its own program on its own models, in rounds: in each
+round, each commit measures each case once. Rounds go forth and back, so that a drift of the machine affects all commits alike. A
+case that a commit does not know stays empty. The file is written after every round, so Ctrl-C loses at most one round.
 
 A run only adds rows. Times of two runs are never compared, because a machine is not equally fast every day. To see the effect of
 a change, measure the last commit before it and the commit after it in one run.
@@ -364,29 +363,23 @@ def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, i
 
 
 def main(arguments: list[str]) -> int:
-    from bench.tracking import picture
-
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--measure", nargs="+", default=[], metavar="REV", help="commits to measure; default: only draw")
+    parser.add_argument("revisions", nargs="+", metavar="REV", help="commits to measure")
     parser.add_argument("--blocks", type=int, default=BLOCKS, help=f"fresh processes of each case at each commit (default: {BLOCKS})")
     parser.add_argument("--no-instructions", action="store_true", help="do not count instructions, which takes some seconds for each case of each commit")
     parser.add_argument("--csv", type=Path, default=FILE)
-    parser.add_argument("--out", type=Path, default=ROOT / "results", help="figures/ and tables/ go there (default: results)")
     options = parser.parse_args(arguments)
     if options.blocks < 1:
         parser.error("--blocks must be at least 1")
     try:
-        rows = measure(options.measure, options.csv, options.blocks, not options.no_instructions) if options.measure else read(options.csv)
-        if not rows:
-            raise ValueError(f"{options.csv} has no rows: measure some commits first, python3 -m bench.tracking.history --measure HEAD")
-        for path in picture.save(rows, options.out):
-            print(path)
+        rows = measure(options.revisions, options.csv, options.blocks, not options.no_instructions)
     except (ValueError, NotBuilt) as problem:
         say(str(problem))
         return 2
     except KeyboardInterrupt:
         say(f"interrupted; {options.csv} has the finished rounds")
         return 130
+    print(f"{options.csv}: {len(rows)} rows; make report draws them")
     return 0
 
 

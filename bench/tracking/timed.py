@@ -24,10 +24,6 @@ T = TypeVar("T")
 SECONDS_OF_REPEATS = 0.05
 MOST_REPEATS = 250
 
-# In the self-test, a side burns this share of the solve's time after each solve. 1e-9 only calls the
-# clock, so that both sides run with the same option.
-BURNS = {"planted": PLANTED, "not planted": 1e-9}
-
 Say = Callable[[str], None]
 
 
@@ -59,7 +55,7 @@ class Program:
 
 def programs_of(base: Build, candidate: Build) -> dict[str, Program]:
     old, new = (Program(build.program, build.tree) for build in (base, candidate))
-    return {"base": old, "base again": old, "candidate": new, "planted": new, "not planted": new}
+    return {"base": old, "base again": old, "candidate": new}
 
 
 def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
@@ -87,7 +83,7 @@ def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Plac
     shapes: dict[str, str] = {}
 
     def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
-        found = at_once(sides, programs, places, lambda side, program, root: job_of_case(program, asked[0], folder, BURNS.get(side, 0), root))
+        found = at_once(sides, programs, places, lambda _, program, root: job_of_case(program, asked[0], folder, root))
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
         if asked[0] is case:
             repeats = max(int(case.experiment["repeats"]), min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)))
@@ -133,21 +129,25 @@ class Known:
         if both:
             self.subjects.append(replace(subject, names=both))
 
-    def to_plant_in(self, wanted: str) -> Subject | None:
-        """Returns the case for the planted slowdown: the one with that name, or else the first."""
+    def for_self_test(self, wanted: str) -> Subject | None:
+        """Returns the case of the self-test: the one with that name, or else the first."""
         cases = [subject for subject in self.subjects if subject.shapes]  # kernels have no shapes
         return next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
 
 
 @dataclass(frozen=True)
 class Question:
-    """Is the side `slower` slower than `beside`? `sides` holds their times by name, with `slower` as the candidate."""
+    """Is the side `slower` slower than `beside`? `sides` holds their times by name, with `slower` as the candidate.
+
+    The times of `slower` are multiplied by `factor`, which plants a slowdown.
+    """
 
     subject: Subject
     names: tuple[str, ...]
     sides: dict[str, Sides]
     beside: str = "base"
     slower: str = "candidate"
+    factor: float = 1.0
 
     def turn(self, number: int, names: Sequence[str]) -> None:
         """Measures two pairs of blocks in opposite orders, each pair under another path length."""
@@ -159,12 +159,20 @@ class Question:
                     if name not in found:
                         raise NotMeasured(f"{name}: not measured this time")
                     sides = self.sides[name]
-                    (sides.candidate if which == self.slower else sides.base).append(found[name])
+                    if which == self.slower:
+                        sides.candidate.append(self.factor * found[name])
+                    else:
+                        sides.base.append(found[name])
 
 
-def question(subject: Subject, names: Sequence[str], beside: str = "base", slower: str = "candidate") -> Question:
-    """Makes a question without any measurements yet."""
-    return Question(subject, tuple(names), {name: Sides() for name in names}, beside, slower)
+def question(subject: Subject, names: Sequence[str]) -> Question:
+    """Returns the question about the candidate, without any measurements yet."""
+    return Question(subject, tuple(names), {name: Sides() for name in names})
+
+
+def planted(subject: Subject) -> Question:
+    """Returns the question of the self-test: the base beside itself, with a planted slowdown."""
+    return replace(question(subject, subject.names), slower="base again", factor=1 + PLANTED)
 
 
 def screen(questions: Sequence[Question], count: int) -> None:
@@ -193,7 +201,7 @@ Run = dict[str, Sides]
 
 
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
-    """Judges all cases. Also returns the times: the first run, the planted slowdown, the base beside itself, the second run.
+    """Judges all cases. Also returns the times: the first run, the self-test, the second run.
 
     Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of the self-test, in the case
     `wanted` if present. Cases that alarm are measured again. This second run is independent of the first, so its intervals need
@@ -204,17 +212,16 @@ def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Jud
     measured: Run = {name: sides for one in first for name, sides in one.sides.items()}
     cases = len(measured)
     suspects = [replace(one, names=names) for one in first if (names := tuple(name for name in one.names if suspected(one.sides[name])))]
-    say(f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the planted slowdown'])}")
-    chosen = known.to_plant_in(wanted)
-    planted = [question(chosen, chosen.names, "not planted", "planted")] if chosen else []
-    itself = [question(chosen, chosen.names, "base", "base again")] if chosen else []
-    screen(itself, min(SCREENING, count))
-    answer(suspects + planted, count, cases)
+    say(f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the self-test'])}")
+    chosen = known.for_self_test(wanted)
+    self_test = planted(chosen) if chosen else None
+    answer([*suspects, *filter(None, [self_test])], count, cases)
     judged = [judge(name, sides, cases) for name, sides in measured.items()]
-    runs = [measured, *(one.sides for one in planted + itself)]
-    if chosen:
-        ratios = {one.slower: compare(sides.candidate, sides.base, cases) for one in planted + itself for sides in one.sides.values()}
-        judged = [replace(one, planted=ratios["planted"], itself=ratios["base again"]) if one.name == chosen.name else one for one in judged]
+    runs = [measured]
+    if self_test:
+        runs.append(self_test.sides)
+        ratio = {name: compare(sides.candidate, sides.base, cases) for name, sides in self_test.sides.items()}
+        judged = [replace(one, planted=ratio[one.name]) if one.name in ratio else one for one in judged]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
         return judged, runs

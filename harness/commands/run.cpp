@@ -47,8 +47,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
         {!arguments.with.empty(), "--with (copy the experiment and name the solver in it)"},
         {arguments.jobs > 1, "--jobs (each task runs one case at a time)"},
         {arguments.shard != "1/1", "--shard"},
-        {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
-        {arguments.choice.planted_slowdown > 0, "--planted-slowdown"}};
+        {arguments.choice.leave_nothing_out, "--leave-nothing-out"}};
     for (const auto& [given, name] : others) {
         if (given)
             throw InputError(fmt::format("--engine slurm cannot be combined with {}: leave one of them out", name));
@@ -81,7 +80,6 @@ int run(RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
-    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // distorted times, kept apart from other results
     if (!shard.whole() || !arguments.split.empty())
         suffix += shard_suffix(plan.experiment, shard, !arguments.split.empty());
     const std::filesystem::path results = results_of(arguments);
@@ -96,9 +94,7 @@ int run(RunArguments& arguments) {
                        .shapes_of = recorded_shapes};
     if (arguments.collect) {
         if (!suffix.empty())
-            throw InputError(
-                "--collect makes one result of whole shards: leave out --shard, --leave-nothing-out and "
-                "--planted-slowdown");
+            throw InputError("--collect makes one result of whole shards: leave out --shard and --leave-nothing-out");
         options.collect = shard_names(results, plan.experiment);
         if (options.collect.empty())
             throw InputError(
@@ -174,10 +170,6 @@ void add_run(CLI::App& app, int& code) {
     verb->add_flag("--any-build", arguments.any_build, "keeps rows of another build or machine");
     verb->add_flag("--leave-nothing-out", arguments.choice.leave_nothing_out,
                    "runs every tolerance and builds every structure, into NAME.everything.h5; no answer may change");
-    verb->add_option("--planted-slowdown", arguments.choice.planted_slowdown,
-                     "makes each repeat slower by this share, into NAME.planted.h5; `track` tests itself with it")
-        ->check(CLI::Range(0.0, 10.0))
-        ->group("");
     verb->add_flag("--no-reference", arguments.no_reference, "computes no certified answers to compare with");
     verb->add_flag("--quiet", arguments.quiet, "shows no progress");
     take_cluster_options(verb, arguments);

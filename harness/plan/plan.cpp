@@ -71,7 +71,6 @@ public:
         }
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
         plan_.leave_nothing_out = choice.leave_nothing_out;
-        plan_.planted_slowdown = choice.planted_slowdown;
         plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");

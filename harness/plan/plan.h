@@ -70,10 +70,7 @@ struct Plan {
     std::vector<Job> jobs;
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
-    bool leave_nothing_out = false;  // see Choice
-    // Lengthens each timed repeat by this fraction of its CPU time. `hausbench track` uses this to test that it detects
-    // a slowdown.
-    double planted_slowdown = 0;
+    bool leave_nothing_out = false;    // see Choice
     std::shared_ptr<Plan> references;  // plan of the reference answers (references.h); null: none
     // True if the plan has all scenes and solvers of the profile: neither --scene nor --solver was given.
     bool whole = true;
@@ -98,7 +95,6 @@ struct Choice {
     std::vector<std::string> solvers, scenes;  // --solver and --scene; empty: all
     // Runs every tolerance and builds every structure, to test that shortcuts change no answer.
     bool leave_nothing_out = false;
-    double planted_slowdown = 0;  // see Plan
 };
 
 // Plans the chosen part of an experiment. Fetches or generates the models of its scenes, which can take a while the

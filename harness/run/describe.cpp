@@ -21,7 +21,7 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"finished", finished},
         {"commit", build.commit},
         {"dirty", build.dirty},
-        {"build", build_id() + planted(plan)},
+        {"build", build_id()},
         {"compiler", build.compiler},
         {"flags", build.flags},
         {"build_type", build.type},
@@ -36,10 +36,6 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"kernel", machine.kernel},
         {"system", machine.system}};
     result.integers = {{"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}};
-}
-
-std::string planted(const Plan& plan) {
-    return plan.planted_slowdown > 0 ? fmt::format(" with a planted slowdown of {}", plan.planted_slowdown) : "";
 }
 
 ModelRecord record_of(const ModelRow& model) {

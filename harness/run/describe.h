@@ -11,10 +11,6 @@ namespace hausbench {
 // Fills in the metadata of a result: the plan, the build, the machine, and when the run started and finished.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
-// Returns a suffix for the name of the build that marks its times as distorted by Plan::planted_slowdown. Returns an
-// empty string if the slowdown is 0.
-std::string planted(const Plan& plan);
-
 ModelRecord record_of(const ModelRow& model);
 
 }  // namespace hausbench

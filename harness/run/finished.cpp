@@ -6,7 +6,6 @@
 #include "harness/record/json.h"
 #include "harness/result/field_file.h"
 #include "harness/result/provenance.h"
-#include "harness/run/describe.h"
 #include "harness/run/rounds.h"
 
 #include <fmt/format.h>
@@ -120,7 +119,7 @@ void Finished::take_over(const std::filesystem::path& folder, const std::string&
 
 bool Finished::will_do(std::size_t row, const Outcome& outcome) const {
     if (accepted_.any_build) return true;
-    if (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_)) return false;
+    if (outcome.build != build_of(plan_.cases[row].solver)) return false;
     if (outcome.machine != this_machine().id && !accepted_.any_machine) return false;
     return accepted_.side_by_side || !outcome.side_by_side;  // other work may have caused a timeout or crash
 }
@@ -182,7 +181,7 @@ Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
 Outcome Finished::gather(std::size_t row) const {
     if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
         Outcome outcome = at->second;
-        outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
+        outcome.build = build_of(plan_.cases[row].solver);
         outcome.machine = this_machine().id;
         return outcome;
     }

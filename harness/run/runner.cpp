@@ -139,7 +139,7 @@ private:
 
     void keep(std::size_t row, int round, Outcome outcome) {
         outcome.side_by_side = side_by_side_;
-        outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
+        outcome.build = build_of(plan_.cases[row].solver);
         outcome.machine = this_machine().id;
         outcome.repeats_asked = plan_.experiment.repeats;
         outcome.stages_asked = plan_.experiment.stages;
@@ -266,7 +266,6 @@ private:
         order.limits = first.limits;
         order.round = round;
         order.repeats = plan_.experiment.repeats;
-        order.slowdown = plan_.planted_slowdown;
         order.build = plan_.leave_nothing_out ? Prepare::everything : Prepare::needed_only;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;

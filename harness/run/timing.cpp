@@ -65,14 +65,7 @@ Spent Stopwatch::spent() const {
     return {wall, process + children, others || elsewhere || several_at_once(wall, process + children)};
 }
 
-double cpu_seconds_of_thread() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
-
-void burn(double cpu_seconds) {
-    for (const double end = cpu_seconds_of_thread() + cpu_seconds; cpu_seconds_of_thread() < end;) {
-    }
-}
-
-Timing time_once(const Session& session, const Query& query, std::int64_t iterations, double slowdown) {
+Timing time_once(const Session& session, const Query& query, std::int64_t iterations) {
     benchmark::ClearRegisteredBenchmarks();
     std::optional<Stopwatch> watch;
     std::optional<Spent> spent;
@@ -82,11 +75,9 @@ Timing time_once(const Session& session, const Query& query, std::int64_t iterat
                                      // The stopwatch starts and stops within the time that the benchmark measures.
                                      for (auto _ : state) {
                                          if (done == 0) watch.emplace();
-                                         const double begin = slowdown > 0 ? cpu_seconds_of_thread() : 0;
                                          Trace untraced;
                                          Result result = session.solve(query, untraced);
                                          benchmark::DoNotOptimize(result);
-                                         if (slowdown > 0) burn(slowdown * (cpu_seconds_of_thread() - begin));
                                          if (++done == iterations) spent = watch->spent();
                                      }
                                  })

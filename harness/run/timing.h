@@ -53,12 +53,7 @@ struct Timing {
     double wall_seconds, cpu_seconds;  // per solve
 };
 
-// Times one repeat, which is `iterations` solves in a row. `slowdown`: see Plan::planted_slowdown.
-Timing time_once(const Session& session, const Query& query, std::int64_t iterations, double slowdown = 0);
-
-double cpu_seconds_of_thread();
-
-// Keeps the calling thread busy for this much CPU time.
-void burn(double cpu_seconds);
+// Times one repeat, which is `iterations` solves in a row.
+Timing time_once(const Session& session, const Query& query, std::int64_t iterations);
 
 }  // namespace hausbench

@@ -19,7 +19,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quan
                                    tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, proof,
                                    search, statistic, weigh, share_tolerance)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
-                                   build, slowdown, items, plugins)
+                                   build, items, plugins)
 
 void WorkOrder::Item::take_statistic(const Case& asked) {
     statistic = asked.statistic;

@@ -27,7 +27,6 @@ struct WorkOrder {
     Limits limits;
     int round = 0, repeats = 0;
     Prepare build = Prepare::needed_only;
-    double slowdown = 0;          // Plan::planted_slowdown
     std::vector<int> cores = {};  // cores of the worker; empty: any. Not sent to the worker
 
     // A case to answer.

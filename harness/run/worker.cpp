@@ -227,7 +227,6 @@ private:
                 Trace untraced;
                 const Stopwatch watch;
                 (void)session_->solve(query_of(item), state.get(), untraced);
-                if (order_.slowdown > 0) burn(order_.slowdown * watch.spent().cpu_seconds);
                 const Spent once = watch.spent();
                 spent += once.wall_seconds;
                 if (is_timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
@@ -281,7 +280,7 @@ private:
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
         for (int i = 0; i < order_.repeats && (i == 0 || spent < most_seconds_of_repeats(1)); ++i) {
-            const Timing timing = time_once(*session_, query, iterations, order_.slowdown);
+            const Timing timing = time_once(*session_, query, iterations);
             spent += timing.wall_seconds * double(iterations);
             repeated(item, timing, iterations);
         }

@@ -179,20 +179,6 @@ def test_the_program_measures_a_block(case: Case, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir()), "nothing is left behind"
 
 
-@needs_program
-@pytest.mark.parametrize("case", [SMALL, MOVING], ids=lambda case: str(case.name))
-def test_a_planted_slowdown_burns_time_and_changes_no_answer(case: Case, tmp_path: Path) -> None:
-    """The planted slowdown, twice the time of a solve, exceeds any noise. It is spent in every repeat, and marks the result's name."""
-    plain, planted = measure(PROGRAM, case, tmp_path), measure(PROGRAM, case, tmp_path, 2.0)
-    assert planted.cpu > 1.8 * plain.cpu
-    assert (planted.counters, planted.shapes, planted.lower) == (plain.counters, plain.shapes, plain.lower)
-    file = blocks.write_case(case, tmp_path)
-    blocks.run([*blocks.run_words(PROGRAM, file), "--planted-slowdown", "2"], tmp_path)
-    assert not file.with_suffix(".h5").exists()
-    with h5py.File(file.with_suffix(".planted.h5")) as result:  # so that merging or a later run cannot take its rows for normal ones
-        assert all("with a planted slowdown of 2" in build for build in blocks.texts(result["cases/build"][()]))
-
-
 @pytest.mark.skipif(not BENCH.is_file(), reason="kernel_bench is not built")
 def test_kernel_bench_has_every_tracked_kernel(tmp_path: Path) -> None:
     found = measure_kernels(BENCH, [kernel.name for kernel in KERNELS], tmp_path)

@@ -11,7 +11,7 @@ import pytest
 
 from analysis.shared.statistics import NO_DATA, Estimate
 from bench.tracking import gate
-from bench.tracking.gate import LEAST, PLANTED, Judged, Sides, Verdict, alarms, compare, judge, self_test, verdict_of_times, whole
+from bench.tracking.gate import LEAST, PLANTED, Judged, Sides, Verdict, alarms, compare, judge, self_test, times, verdict_of_times, whole
 
 CASES = 31
 BLOCKS = 36
@@ -35,7 +35,7 @@ def judged(name: str = "case", low: float = 0.99, value: float = 1.0, high: floa
     def ratio(least: float, middle: float, most: float) -> Estimate:
         return Estimate(middle, least, most, BLOCKS, 0.999)
 
-    return Judged(name, 0.01, ratio(low, value, high), ratio(0.98, 1, 1.02),
+    return Judged(name, 0.01, ratio(low, value, high),
                   NO_DATA if planted_low is None else ratio(planted_low, planted_low + 0.01, planted_low + 0.02),
                   NO_DATA if second_low is None else ratio(second_low, second_low + 0.01, second_low + 0.02))
 
@@ -128,9 +128,9 @@ def test_blocks_are_paired_so_that_what_disturbs_both_sides_cancels() -> None:
 def test_a_base_that_differs_from_itself_spoils_the_verdict(itself: Estimate) -> None:
     """If the base differs from itself, in either direction, the measurement is at fault. This overrules an alarm."""
     slow = Judged("slow", 0.01, Estimate(1.2, 1.1, 1.3, 36, 0.999), second=Estimate(1.2, 1.1, 1.3, 36, 0.999))
-    verdict, reasons = verdict_of_times([replace(GOOD, itself=itself), slow])
+    verdict, reasons = verdict_of_times([replace(GOOD, planted=times(itself, 1 + PLANTED)), slow])
     assert verdict is Verdict.inconclusive and f"the base is {itself.value:.3f} times as slow as itself" in reasons[0]
-    assert verdict_of_times([replace(GOOD, itself=Estimate(1.0, 0.98, 1.02, 24, 0.999)), slow])[0] is Verdict.red
+    assert verdict_of_times([replace(GOOD, planted=times(Estimate(1.0, 0.985, 1.02, 24, 0.999), 1 + PLANTED)), slow])[0] is Verdict.red
 
 
 def test_blocks_of_two_kinds_are_noise_and_no_slowdown() -> None:

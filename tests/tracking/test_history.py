@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from bench.tracking import blocks, builds, counted, history, picture
+from bench.tracking import blocks, builds, counted, history
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build, NotBuilt, fetched_origins
 from bench.tracking.cases import KERNELS, ROOT, Case, cases
@@ -374,13 +374,14 @@ def test_no_commit_builds(world: World) -> None:
 
 def test_the_command(world: World, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     file = world.folder / "history.csv"
-    where = ["--csv", str(file), "--out", str(world.folder / "out")]
-    assert history.main(where) == 2
-    assert "--measure HEAD" in capsys.readouterr().err
+    where = ["--csv", str(file)]
+    with pytest.raises(SystemExit):
+        history.main(where)
+    assert "REV" in capsys.readouterr().err
     world.stop_after = 0
-    assert history.main([*where, "--measure", "1" * 10]) == 130
+    assert history.main([*where, "1" * 10]) == 130
     file.write_text("nonsense\n")
-    assert history.main(where) == 2
+    assert history.main([*where, "1" * 10]) == 2
     assert f"{file}, line 1" in capsys.readouterr().err
     asked: list[tuple[object, ...]] = []
 
@@ -389,6 +390,5 @@ def test_the_command(world: World, capsys: pytest.CaptureFixture[str], monkeypat
         return [ROW]
 
     monkeypatch.setattr(history, "measure", fake_measure)
-    monkeypatch.setattr(picture, "save", lambda rows, out: [out / "it"])
-    assert history.main([*where, "--measure", "A", "B", "--blocks", "3", "--no-instructions"]) == 0
-    assert asked == [(["A", "B"], file, 3, False)]
+    assert history.main([*where, "A", "B", "--blocks", "3", "--no-instructions"]) == 0
+    assert asked == [(["A", "B"], file, 3, False)] and "1 rows; make report" in capsys.readouterr().out

@@ -16,11 +16,11 @@ from bench.tracking.builds import Build
 from bench.tracking.cases import ROOT, Case
 from bench.tracking.gate import Verdict, verdict_of_times
 from bench.tracking.places import Places
-from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
+from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, planted, programs_of, question, screen
 
 PROGRAM = ROOT / "build/release/hausbench"
 
-SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0, "not planted": 1.0, "planted": 1.05}
+SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0}
 Calls = list[tuple[str, str]]
 
 
@@ -37,8 +37,8 @@ def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Sub
     return Subject(name, (name,), each(side), {"base": "shapes"})
 
 
-def slower(much: float, planted: float = 0.05) -> dict[str, float]:
-    return SECONDS | {"candidate": 1 + much, "not planted": 1 + much, "planted": (1 + much) * (1 + planted)}
+def slower(much: float) -> dict[str, float]:
+    return SECONDS | {"candidate": 1 + much}
 
 
 def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
@@ -61,11 +61,11 @@ def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
     assert [call[1] for call in calls] == [what for pair in pairs for what in ["move", *pair]]
 
 
-def test_a_plant_is_measured_beside_the_candidate() -> None:
+def test_the_self_test_multiplies_the_times_of_the_base_beside_itself() -> None:
     calls: Calls = []
-    one = question(subject("a", calls, slower(0.5)), ("a",), "not planted", "planted")
+    one = planted(subject("a", calls, slower(0.5)))
     answer([one], 6, 1)
-    assert {call[1] for call in calls} == {"not planted", "planted"}
+    assert {call[1] for call in calls} == {"base", "base again"}
     assert one.sides["a"].candidate[0] / one.sides["a"].base[0] == pytest.approx(1.05, abs=1e-4)
 
 
@@ -75,32 +75,32 @@ def test_only_what_alarms_runs_again() -> None:
     asked = [call[0] for call in calls]
     by_name = {one.name: one for one in judged}
     assert by_name["slow"].red and not by_name["fine"].alarms
-    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["fine"], ["slow"]], "the first run, the plant, the base itself, the second run"
+    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["slow"]], "the first run, the self-test, the second run"
     pairs = [[len(sides.base) for sides in run.values()] for run in runs]
-    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] + 48 and asked.count("slow") == 48 + 2 * pairs[3][0]
-    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[3][0]
-    assert by_name["fine"].itself.n == pairs[2][0] == 24 and not by_name["slow"].itself.n
-    assert calls.count(("fine", "base again")) == 24, "beside as many of the base"
+    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] and asked.count("slow") == 48 + 2 * pairs[2][0]
+    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[2][0]
+    assert by_name["fine"].itself.n == pairs[1][0] and not by_name["slow"].itself.n
+    assert calls.count(("fine", "base again")) == pairs[1][0], "beside as many of the base"
 
 
 def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
     """`doubtful` is 2.5 % slower, which raises no alarm. `slow` raises one and is run again."""
     calls: Calls = []
-    subjects = [subject("fine", calls), subject("planted", calls), subject("doubtful", calls, slower(0.025)), subject("slow", calls, slower(0.05))]
+    subjects = [subject("fine", calls), subject("steady", calls), subject("doubtful", calls, slower(0.025)), subject("slow", calls, slower(0.05))]
     said: list[str] = []
-    judged, runs = judge_all(Known(subjects), "planted", 72, said.append)
+    judged, runs = judge_all(Known(subjects), "steady", 72, said.append)
     rank = order_statistic_rank(72, 1 - 0.05 / 4)
     assert [one.ratio.n for one in judged] == [24, 24, max(24, 2 * math.ceil(rank / 2)), 2 * math.ceil((73 - rank) / 2)]
     assert [one.planted.n for one in judged] == [0, judged[3].ratio.n, 0, 0]
     assert [one.name for one in judged if one.red] == ["slow"] and all(one.ratio.coverage >= 1 - 0.05 / 4 for one in judged)
     assert judged[3].second.n == 2 * math.ceil((73 - order_statistic_rank(72, 0.95)) / 2), "of one case alone, fewer blocks decide it"
-    assert said == ["more blocks of doubtful, slow, the planted slowdown", "a second run of slow"] and len(runs) == 4
+    assert said == ["more blocks of doubtful, slow, the self-test", "a second run of slow"] and len(runs) == 3
 
 
 def test_a_way_of_measuring_that_favours_a_side_spoils_the_verdict() -> None:
     """Of two sides that are measured together, the second is always 6 % slower."""
     def blocks(sides: Sequence[str], names: Sequence[str]) -> list[dict[str, float]]:
-        return [{"case": SECONDS[side] * (1.06 if side in ("candidate", "base again", "planted") else 1)} for side in sides]
+        return [{"case": SECONDS[side] * (1.06 if side in ("candidate", "base again") else 1)} for side in sides]
 
     judged, _ = judge_all(Known([Subject("case", ("case",), blocks, {"base": "shapes"})]), "case", 24, lambda line: None)
     verdict, reasons = verdict_of_times(judged)
@@ -166,12 +166,12 @@ def test_other_shapes_are_left_out() -> None:
     assert not known.subjects and "its shapes are not those of the base" in known.left_out[0]
 
 
-def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
+def test_the_self_test_is_in_the_wanted_case_or_in_the_first_one() -> None:
     calls: Calls = []
     kernels = Subject("kernels", ("build",), lambda sides, names: [])
     known = Known([kernels, subject("a", calls), subject("b", calls)])
-    assert [getattr(known.to_plant_in(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
-    assert Known([kernels]).to_plant_in("b") is None
+    assert [getattr(known.for_self_test(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
+    assert Known([kernels]).for_self_test("b") is None
 
 
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
@@ -188,12 +188,12 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 25), (1.0, 3), (0.0001, 250)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
     """At least three repeats, as the experiment asks. Two sides measured together have paths of equal length."""
-    asked: list[tuple[str, int, float]] = []
+    asked: list[tuple[str, int]] = []
 
     @contextmanager
-    def job_of_case(program: Path, case: Case, folder: Path, slowdown: float, root: Path) -> Iterator[tuple[Block, Path]]:
+    def job_of_case(program: Path, case: Case, folder: Path, root: Path) -> Iterator[tuple[Block, Path]]:
         assert folder == tmp_path and (root / program.name[:3]).is_file()
-        asked.append((program.name, case.experiment["repeats"], slowdown))
+        asked.append((program.name, case.experiment["repeats"]))
         yield Block(seconds * len(asked), 0.002, 0.0, "shapes"), root
 
     def together(jobs: list[tuple[Block, Path]]) -> list[Block]:
@@ -208,20 +208,18 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
         (tmp_path / f"{name} tree" / name).touch()
     old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
     places = Places(tmp_path)
-    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new, "not planted": new}, tmp_path, places)
+    one = of_case(Case("case", {"repeats": 3}), {"base": old, "base again": old, "candidate": new}, tmp_path, places)
     assert one.block("base") == {"case": seconds}
     one.move()
-    assert one.blocks(["candidate", "planted"], ()) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
-    assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
-    one.blocks(["not planted"], ())
-    assert asked[3] == ("new-program", repeats, 1e-9), "with the options of a plant"
-    assert one.shapes == dict.fromkeys(("base", "candidate", "planted", "not planted"), "shapes") and one.move == places.move
+    assert one.blocks(["candidate", "base again"], ()) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
+    assert asked == [("old-program", 3), ("new-program", repeats), ("old-program", repeats)]
+    assert one.shapes == dict.fromkeys(("base", "candidate", "base again"), "shapes") and one.move == places.move
 
 
 def test_programs_and_kernels_know_their_trees() -> None:
     old, new = Build("a", Path("old"), None, Path("1")), Build("b", Path("new"), Path("bench"), Path("2"))
     programs = programs_of(old, new)
-    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == programs["planted"] == programs["not planted"] == Program(Path("new"), Path("2"))
+    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == Program(Path("new"), Path("2"))
     assert programs["base again"] == programs["base"]
     assert kernels_of(old, new) == kernels_of(new, old) == {}, "kernels need both builds"
     assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
