@@ -185,11 +185,6 @@ void TriangleTree::fill_leaves() {
     tree_.fit(boxes);
 }
 
-void TriangleTree::refit(const TriangleMesh& mesh) {
-    mesh_ = &mesh;
-    fill_leaves();
-}
-
 ClosestPoint TriangleTree::closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const {
     ++counters.closest_point_queries;
     ClosestPoint best;

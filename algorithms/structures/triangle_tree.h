@@ -40,11 +40,6 @@ public:
     const TriangleMesh& mesh() const { return *mesh_; }
     std::size_t bytes() const;
 
-    // Updates the tree after vertices have moved. `mesh` must have the same triangles as before, in the same order, and
-    // must outlive the tree. O(n). The shape of the tree stays, so queries become slower if neighbouring triangles move
-    // apart.
-    void refit(const TriangleMesh& mesh);
-
 protected:
     TriangleTree(const TriangleMesh& mesh, WideTree&& tree);
 

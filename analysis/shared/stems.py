@@ -35,7 +35,7 @@ def script_of(stem: str) -> Path:
     raise ResultError(f"there is no analysis/<folder>/{stem}.py")
 
 
-def _named_in(script: Path) -> list[str]:
+def named_in(script: Path) -> list[str]:
     """Returns the stems that a script lists as RESULTS_OF. Searches its text, because importing it would take seconds."""
     found = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
     return re.findall(r'"(\w+)"', found[1]) if found else []
@@ -48,14 +48,9 @@ def module_of(stem: str) -> str:
 
 def results_of(stem: str) -> str:
     """Returns the stem whose result file the script of this stem draws."""
-    return (_named_in(script_of(stem)) or [stem])[0]
-
-
-def also_reads(stem: str) -> list[str]:
-    """Returns the further stems whose results the script of this stem needs."""
-    return _named_in(script_of(stem))[1:]
+    return (named_in(script_of(stem)) or [stem])[0]
 
 
 def drawn_with(stem: str) -> list[str]:
     """Returns the stem and all other stems whose scripts draw its results."""
-    return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and _named_in(file)[:1] == [stem])]
+    return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and named_in(file)[:1] == [stem])]

@@ -26,7 +26,9 @@ std::string key_of(const Plan& plan, const Job& job) {
     return hash.hex().substr(0, 16);
 }
 
-// Distributes jobs like balanced(), but over parts that already have `taken` seconds of work.
+// Distributes jobs with these durations over parts that already have `taken` seconds of work, and returns each job's
+// part, from 0. Adds the jobs, longest first, to the part with the least total so far. If all parts are empty, the
+// longest takes at most 4/3 of the least possible time (Graham 1969).
 std::vector<int> dealt(const std::vector<double>& seconds, std::vector<double> taken) {
     std::vector<std::size_t> order(seconds.size());
     std::iota(order.begin(), order.end(), 0);
@@ -41,10 +43,6 @@ std::vector<int> dealt(const std::vector<double>& seconds, std::vector<double> t
 }
 
 }  // namespace
-
-std::vector<int> balanced(const std::vector<double>& seconds, int parts) {
-    return dealt(seconds, std::vector<double>(std::size_t(parts)));
-}
 
 std::vector<int> Shards::of_jobs(const Plan& plan) const {
     std::vector<int> all;

@@ -11,11 +11,6 @@
 
 namespace hausbench {
 
-// Distributes jobs with these durations over `parts` parts, and returns each job's part, from 0. Adds the jobs, longest
-// first, to the part with the least total so far. Deterministic; the longest part takes at most 4/3 of the least
-// possible time (Graham 1969).
-std::vector<int> balanced(const std::vector<double>& seconds, int parts);
-
 // Maps each job to a shard. When the experiment changes, jobs that have not changed keep their shard.
 struct Shards {
     int of = 1;

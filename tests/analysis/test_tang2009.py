@@ -14,7 +14,7 @@ from synthetic import ResultFile
 from synthetic_tang import motion
 
 from analysis.shared import load
-from analysis.shared.stems import ANALYSIS, also_reads, drawn_with, results_of
+from analysis.shared.stems import ANALYSIS, drawn_with, named_in, results_of
 from analysis.tang2009 import tang_pictures
 
 PAIRS = tuple(f"pair {i}" for i in range(6))
@@ -336,7 +336,7 @@ def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path)
 
 def test_the_makefile_measures_first_whatever_a_script_reads_beside_its_own_results() -> None:
     makefile = (ANALYSIS.parent / "Makefile").read_text(encoding="utf-8")
-    reading = {file.stem: also_reads(file.stem) for file in ANALYSIS.rglob("*.py") if also_reads(file.stem)}
+    reading = {file.stem: others for file in ANALYSIS.rglob("*.py") if (others := named_in(file)[1:])}
     assert reading == {"tang2009_nearest": ["tang2009_similarity"]}
     for stem, others in reading.items():
         assert f"\n{stem}: {' '.join(others)}\n" in makefile and results_of(stem) == stem and drawn_with(stem) == [stem]

@@ -36,13 +36,6 @@ public:
         return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
     }
 
-    // Returns the triangle on the other side of edge k, or -1 unless exactly two different triangles share this edge.
-    Index neighbour(Index triangle, int k) const {
-        const auto both = triangles(edge(triangle, k));
-        if (both.size() != 2 || both[0] == both[1]) return -1;
-        return both[0] == triangle ? both[1] : both[0];
-    }
-
     std::size_t bytes() const;
 
 private:

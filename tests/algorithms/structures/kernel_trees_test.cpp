@@ -93,17 +93,6 @@ TEST(TriangleGrid, TakesLinearMemoryHoweverTheTrianglesLie) {
     }
 }
 
-TYPED_TEST(Trees, RefitFollowsTheVertices) {
-    Random random(7);
-    const TriangleMesh before = triangle_soup(random, 500, 0.1);
-    TypeParam tree(before);
-    TriangleMesh after = before;
-    for (Index v = 0; v < after.vertices.rows(); ++v) after.vertices.row(v) += random.vector(0.5);
-    after.vertices *= 30;
-    tree.refit(after);
-    expect_same_as_scan(tree, after, random, 300, "refit");
-}
-
 TYPED_TEST(Trees, EarlyOutStopsAtATriangleNearEnough) {
     Random random(5);
     const TriangleMesh mesh = triangle_soup(random, 2000, 0.1);

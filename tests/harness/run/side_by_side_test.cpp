@@ -144,12 +144,6 @@ TEST(CoresHere, AreThoseThatThisProcessMayRunOn) {
     EXPECT_THROW(cores_here(1 << 20), InputError);
 }
 
-TEST(Balanced, TheLongestGoFirstEachToWhoHasLeast) {
-    EXPECT_EQ(balanced({1, 5, 4, 3, 3}, 2), (std::vector<int>{1, 0, 1, 1, 0}));
-    EXPECT_EQ(balanced({2, 2, 2}, 5), (std::vector<int>{0, 1, 2}));
-    EXPECT_TRUE(balanced({}, 3).empty());
-}
-
 // Makes one job per element count; the expected work is proportional to the count.
 Plan plan_of(const std::vector<std::int64_t>& elements) {
     Plan plan;
@@ -167,6 +161,11 @@ Plan plan_of(const std::vector<std::int64_t>& elements) {
         plan.jobs.push_back(job);
     }
     return plan;
+}
+
+TEST(SplitOfAPlan, TheLongestJobsGoFirstEachToTheShardWithTheLeastWork) {
+    const Plan plan = plan_of({100'000, 500'000, 400'000, 310'000, 290'000});
+    EXPECT_EQ(split(plan, Estimates(""), 2).of_jobs(plan), (std::vector<int>{2, 1, 2, 2, 1}));
 }
 
 TEST(SplitOfAPlan, AJobStaysWhereItIsWhileOthersComeAndGo) {
