@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts habits of prose that make readers stumble, in comments, docstrings and documents.
+"""Counts habits of prose that make readers stumble, in comments, docstrings, documents and messages (quoted texts of four words and more).
 
 prose.py [--places] [PATH ...]   PATH: files or folders of the repository (default: all of it)
 
@@ -68,6 +68,36 @@ def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
     return found
 
 
+QUOTED = re.compile(r'"((?:\\.|[^"\\])*)"')
+
+
+def is_message(text: str) -> bool:
+    return len(text.split()) >= 4
+
+
+def messages_of_cpp(text: str) -> list[tuple[int, str]]:
+    """Returns the quoted texts of each line without comments that look like sentences. A text that goes on in the next line is one."""
+    found = []
+    for number, line in enumerate(text.splitlines(), 1):
+        quoted = " ".join(QUOTED.findall(re.sub(r"(?:^|\s)//.*", "", line)))
+        if is_message(quoted):
+            found.append((number, quoted))
+    return found
+
+
+def messages_of_python(text: str) -> list[tuple[int, str]]:
+    found = []
+    middle = getattr(tokenize, "FSTRING_MIDDLE", None)  # from Python 3.12
+    before = tokenize.NEWLINE
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        docstring = before in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+        if token.type == middle or (token.type == tokenize.STRING and not docstring):
+            found += [(token.start[0] + i, line.strip("fr\"' ")) for i, line in enumerate(token.string.splitlines()) if is_message(line)]
+        if token.type not in (tokenize.NL, tokenize.COMMENT):
+            before = token.type
+    return found
+
+
 def of_python(text: str) -> list[tuple[int, str]]:
     found = []
     before = tokenize.NEWLINE
@@ -92,11 +122,12 @@ def of_document(text: str) -> list[tuple[int, str]]:
 
 def prose(path: Path) -> list[Paragraph]:
     text = path.read_text(encoding="utf-8")
+    tests = "tests" in path.relative_to(ROOT).parts  # their texts are parts of messages, and data
     if path.suffix in (".cpp", ".h"):
-        lines = after_mark(text, "/")
-    elif path.suffix == ".py":
-        lines = of_python(text)
-    elif path.suffix == ".md":
+        return [*joined(after_mark(text, "/")), *joined([] if tests else messages_of_cpp(text))]
+    if path.suffix == ".py":
+        return [*joined(of_python(text)), *joined([] if tests else messages_of_python(text))]
+    if path.suffix == ".md":
         lines = of_document(text)
     else:
         lines = after_mark(text, "#")
