@@ -12,7 +12,7 @@ namespace hausbench {
 namespace {
 
 std::string type_name(const ParameterValue& value) {
-    constexpr const char* names[] = {"true or false", "a whole number", "a number", "a text"};
+    constexpr const char* names[] = {"true or false", "an integer", "a number", "a text"};
     return names[value.index()];
 }
 

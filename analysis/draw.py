@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="hausbench draw", description="Tables and figures of any result, for papers.")
     parser.add_argument("result", type=Path, metavar="RESULT.h5")
     parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS),
-                        help="what to draw; may be repeated (default: all that the result has data for)")
+                        help="what to draw; may be repeated (default: everything that the result has data for)")
     parser.add_argument("--highlight", metavar="LABEL", default="", help="draw this solver in front of the others, which become grey")
     parser.add_argument("--width", type=inches, default=style.DOUBLE_COLUMN, help="width of the figures: single (3.5 inches), double (7.16, the default) or "
                                                                                   "inches")

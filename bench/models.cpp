@@ -21,7 +21,7 @@ TriangleMesh model_mesh(const std::string& name) {
     if (const auto* missing = std::get_if<MissingModel>(&resolved)) throw InputError(name + ": " + missing->reason);
     LoadedShape loaded = read_shape(std::get<ResolvedModel>(resolved).shape_file);
     if (!std::holds_alternative<TriangleMesh>(loaded.shape))
-        throw InputError(name + ": is no mesh; name a model with triangles");
+        throw InputError(name + ": is not a mesh: name a model with triangles");
     return std::get<TriangleMesh>(std::move(loaded.shape));
 }
 

@@ -281,7 +281,7 @@ void check_numbers(const std::string& where, const Recipe& recipe, const Numbers
             refuse(
                 fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));
         if (spec.whole && value != std::floor(value))
-            refuse(fmt::format("{}: {} is {}, but must be a whole number", where, spec.name, value));
+            refuse(fmt::format("{}: {} is {}, but must be an integer", where, spec.name, value));
     }
 }
 

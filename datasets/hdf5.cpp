@@ -106,7 +106,7 @@ Id links_with_groups(const Place& at) {
 
 void write_dataset(hid_t file, const Place& at, hid_t type, const void* values, std::size_t count,
                    std::size_t columns) {
-    if (columns == 0 || count % columns != 0) throw std::logic_error(at.object + ": not a whole number of rows");
+    if (columns == 0 || count % columns != 0) throw std::logic_error(at.object + ": the last row is incomplete");
     const hsize_t extent[2] = {count / columns, columns};
     const Id space(at, H5Screate_simple(columns > 1 ? 2 : 1, extent, nullptr), H5Sclose);
     const Id creation(at, H5Pcreate(H5P_DATASET_CREATE), H5Pclose);

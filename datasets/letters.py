@@ -188,7 +188,7 @@ def obj_text(mesh: Solid) -> bytes:
     """Returns an OBJ file with all digits. Raises ValueError if a coordinate is not a double."""
     vertices, faces = mesh
     if any(Fraction(float(c)) != c for vertex in vertices for c in vertex):
-        raise ValueError("a coordinate is no double: the units of the em are no power of two")
+        raise ValueError("a coordinate is not a double: the units of the em are not a power of two")
     lines = ["v " + " ".join(repr(float(c)) for c in vertex) + "\n" for vertex in vertices]
     lines += ["f " + " ".join(str(corner + 1) for corner in face) + "\n" for face in faces]
     return "".join(lines).encode()

@@ -94,7 +94,7 @@ int TomlReader::count(std::string_view key, int least, int otherwise) const {
     if (!node) return otherwise;
     const auto value = node->value_exact<std::int64_t>();
     if (!value || *value < least || *value > most)
-        fail(*node, fmt::format("'{}' must be a whole number from {} to {}", key, least, most));
+        fail(*node, fmt::format("'{}' must be an integer from {} to {}", key, least, most));
     return int(*value);
 }
 

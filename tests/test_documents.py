@@ -40,11 +40,6 @@ def test_a_broken_link_is_found(tmp_path: Path) -> None:
     assert broken(page) == ["gone.md", "page.md#another"]
 
 
-def test_readme_is_short() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 125 and len(text.split()) <= 1100
-
-
 def test_the_index_links_every_page_of_docs() -> None:
     linked = {(ROOT / "docs" / link).resolve() for link in LINK.findall((ROOT / "docs/index.md").read_text(encoding="utf-8"))}
     assert {page for page in PAGES if page.parent == ROOT / "docs" and page.name != "index.md"} <= linked

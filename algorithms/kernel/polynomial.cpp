@@ -136,7 +136,7 @@ private:
         int n = 0;
         while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && n <= most_power)
             n = 10 * n + (text_[at_++] - '0');
-        if (at_ == from) fail_at(from, "write a whole number from 0 after '^', such as x^2");
+        if (at_ == from) fail_at(from, "write an integer of at least 0 after '^', such as x^2");
         if (n > most_power) fail_at(from, fmt::format("powers above {} are not supported", most_power));
         if (base.size() == 1) {  // a single term, such as -2 or x: power() gives the smallest interval
             const auto& [powers, x] = *base.begin();

@@ -78,8 +78,8 @@ def make(results: Results) -> Report:
                         if len({(o.lower, o.upper) for (label, _, d), o in published.items()
                                 if d == depth and label == "pruned pairs"}) > 1})
     table.notes = [
-        f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). Of the published method's intervals, {holding(published.values(), exact)} contain it, which the method "
-        f"itself does not prove. Of the proven ones ('ours'), {holding(ours.values(), exact)} contain it.",
+        f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). {holding(published.values(), exact)} of the published method's intervals contain it, which the method "
+        f"itself does not prove. {holding(ours.values(), exact)} of the proven ones ('ours') contain it.",
         "All four forms give the same interval at every size." if not different else
         "The forms give different intervals at " + ", ".join(f"{2**d}³" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]

@@ -82,7 +82,7 @@ def make(results: Results) -> Report:
     titles = {label: style.title(solver, label) for solver, label in labels}
     table = tables.Table(
         "Work and time of each solver as two lengths of a scene grow apart, relative to ratio 1.",
-        ["scene", "solver", "work at ratio 1", "largest work / that", "at ratio", "largest time / that of ratio 1", "at ratio",
+        ["scene", "solver", "work at ratio 1", "largest work / that", "at ratio", "largest time / time at ratio 1", "at ratio",
          "rows not ok"],
         left=2)
     records: list[tables.Record] = []

@@ -69,7 +69,7 @@ def read_baseline(file: Path) -> dict[str, Any]:
 
 # --- work counters ---------------------------------------------------------------------------------------------------
 
-OTHER_SHAPES = "nothing measured: its shapes are not those of the baseline (perhaps another library made them)"
+OTHER_SHAPES = "nothing measured: it has other shapes than the baseline (perhaps another library made them)"
 
 
 def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path) -> Found:

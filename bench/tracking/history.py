@@ -308,7 +308,7 @@ def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> No
         for version in known:
             if version.measured[case.name][0].shapes != known[-1].measured[case.name][0].shapes:
                 del version.measured[case.name]
-                version.empty[case.name] = f"its shapes are not those of {known[-1].build.commit}"
+                version.empty[case.name] = f"it has other shapes than {known[-1].build.commit}"
 
 
 def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> list[Row]:

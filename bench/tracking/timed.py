@@ -121,7 +121,7 @@ class Known:
             (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, but this build does not: {why}")
             return
         if len(set(subject.shapes.values())) > 1:
-            self.left_out.append(f"{subject.name}: left out, because its shapes are not those of the base")
+            self.left_out.append(f"{subject.name}: left out, because it has other shapes than the base")
             return
         both = tuple(name for name in subject.names if name in base and name in candidate)
         self.left_out += [f"{name}: left out, because {'the base' if name not in base else 'this build'} does not have it"

@@ -605,9 +605,10 @@ private:
         static const std::set<std::string_view> transforms = {"matrix", "translate", "rotate",
                                                               "scale",  "lookat",    "skew"};
         if (depth > deepest)
-            xml_.refuse(node, fmt::format("nodes are nested deeper than {}, with those of <instance_node>: take some "
-                                          "of them apart",
-                                          deepest));
+            xml_.refuse(node,
+                        fmt::format("nodes, including those in <instance_node>, are nested deeper than {}: take some "
+                                    "of them apart",
+                                    deepest));
         spend(node, 1);
         for (const pugi::xml_node child : node.children()) {
             if (!is_one_of(child, transforms) || at.wrong) continue;

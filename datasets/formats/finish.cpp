@@ -171,7 +171,7 @@ void add_point(const std::string& name, std::string_view line, std::uint32_t num
         const auto value = decimal(word);
         if (word.empty())
             refuse(name, number, fmt::format("vertex {} (from 0) does not have three coordinates", soup.points.size()));
-        if (!value) refuse(name, number, fmt::format("'{}' is no number", shown(word)));
+        if (!value) refuse(name, number, fmt::format("'{}' is not a number", shown(word)));
         coordinate = *value;
     }
     soup.points.push_back(point);

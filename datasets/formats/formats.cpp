@@ -257,7 +257,7 @@ const std::vector<Unread> unread = {
     {{"usd", "usda", "usdc", "usdz"}, "", "a USD scene", "export it as glTF, OBJ or PLY"},
     {{"pvtu", "pvtp", "vtm", "vti", "vtr", "vts"},
      "",
-     "a data set of VTK that is no single surface",
+     "a data set of VTK that is not a single surface",
      "extract its surface in ParaView, and save it as .vtp"},
     {{"h5", "hdf5"},
      "\x89HDF\r\n",

@@ -56,7 +56,7 @@ std::size_t count_of(const std::string& name, std::string_view word, const char*
     const bool whole = bool(number_below(std::numeric_limits<std::size_t>::max(), number));
     throw InputError(
         fmt::format("{}: the header announces {} {}, {}", name, shown(word), what,
-                    whole ? fmt::format("which a file of {} bytes cannot hold", size) : "which is no count"));
+                    whole ? fmt::format("which a file of {} bytes cannot hold", size) : "which is not a count"));
 }
 
 [[noreturn]] void refuse_binary(const std::string& name) {

@@ -106,7 +106,7 @@ private:
 
     std::uint64_t number(std::string_view text) const {
         const auto value = whole<std::uint64_t>(text);
-        if (!value || *value > most) refuse_line(fmt::format("'{}' is not a whole number up to 2^40", shown(text)));
+        if (!value || *value > most) refuse_line(fmt::format("'{}' is not an integer up to 2^40", shown(text)));
         return *value;
     }
 

@@ -245,10 +245,11 @@ void PointLines::refuse_unnamed(std::uint32_t number) const {
     if (numbers < 3 && !decimals) refuse_prose(number, line_);
     const std::string_view first = format_ == "csv" ? "2,3,4" : "1,2,3";
     refuse(name_, number,
-           decimals ? fmt::format("'{}': {}", shown(line_), plain_numbers)
-                    : fmt::format("{} columns, and nothing names them ('{}{}'): choose those of x, y and z, as in "
-                                  "--columns {} (in Python columns=\"{}\")",
-                                  fields_.size(), shown(line_), line_.size() > 40 ? "..." : "", first, first));
+           decimals
+               ? fmt::format("'{}': {}", shown(line_), plain_numbers)
+               : fmt::format("{} columns, and nothing names them ('{}{}'): choose the columns of x, y and z, as in "
+                             "--columns {} (in Python columns=\"{}\")",
+                             fields_.size(), shown(line_), line_.size() > 40 ? "..." : "", first, first));
 }
 
 void PointLines::check_width(std::uint32_t number) {

@@ -70,7 +70,7 @@ template <class T> T whole(const json& j, T least) {
     const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
                                    : j.is_number_integer() && std::in_range<T>(j.get<std::int64_t>());
     if (!fits || j.get<T>() < least)
-        throw std::runtime_error(fmt::format("not a whole number of at least {} that fits", least));
+        throw std::runtime_error(fmt::format("not an integer of at least {} that fits", least));
     return j.get<T>();
 }
 

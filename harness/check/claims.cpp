@@ -55,7 +55,7 @@ std::string contradiction_in(const Row& row) {
             return fmt::format("it has bounds, but the result does not list its model '{}'", name);
     }
     if (identify(row.asked) != row.asked.identity)
-        return "its identity is not that of its shapes, poses, options and limits";
+        return "its identity does not follow from its shapes, poses, options and limits";
     if (row.outcome.cutoff_used < row.asked.cutoff && (row.asked.chain.empty() || row.asked.warm))
         return "its cutoff_used is below its cutoff, but it is in no search";
     if (std::string what = other_status(row); !what.empty()) return what;

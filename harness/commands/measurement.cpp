@@ -169,7 +169,7 @@ void warn_of_float32(const MeasureRequest& request, Measured& measured) {
         if (!shape->report.float32 || !(shape->float32_spacing > gap) || !(gap > 0)) continue;
         measured.warnings.push_back(
             fmt::format("the coordinates of {} are float32, in steps of up to {:.3g}: that is more than the tolerance "
-                        "{:.3g}, and the answer is that of the rounded shape",
+                        "{:.3g}, and the answer is about the rounded shape",
                         name, shape->float32_spacing, gap));
     }
 }
@@ -204,10 +204,10 @@ void warn_of_units(const Points& source, const Points& target, Measured& measure
     const double a = measured.source.diagonal, b = measured.target.diagonal;
     const auto factor = common_factor(measured.source.extents, measured.target.extents);
     if (const auto known = factor ? ratio_of_units(*factor) : std::nullopt) {
-        measured.warnings.push_back(
-            fmt::format("all sides of the box of {} are about {:g} times as long as those of {}: are both in the same "
-                        "unit? If a file states its unit, --unit converts it; else scale one file",
-                        *factor > 1 ? "B" : "A", *known, *factor > 1 ? "A" : "B"));
+        measured.warnings.push_back(fmt::format(
+            "all sides of the box of {} are about {:g} times as long as the sides of {}: are both in the same "
+            "unit? If a file states its unit, --unit converts it; else scale one file",
+            *factor > 1 ? "B" : "A", *known, *factor > 1 ? "A" : "B"));
         return;
     }
     const bool apart = (source.colwise().maxCoeff().array() < target.colwise().minCoeff().array()).any() ||

@@ -224,7 +224,7 @@ private:
         const std::string how = child_.how_it_ended();
         fail(child_.signal() ? RowStatus::signal : RowStatus::failed,
              fmt::format("its process ended with {} before it {}", how.empty() ? "exit code 0" : how,
-                         answered_ ? "wrote all that was asked for" : "answered"));
+                         answered_ ? "wrote every requested answer" : "answered"));
     }
 
     // Processes a line from the child. Does not trust its content, because a solver may have written it.

@@ -165,8 +165,7 @@ private:
         if (!was_run(a)) {
             mine = row;
         } else if (mine.asked.identity != row.asked.identity) {
-            refuse(
-                fmt::format("they differ in what they asked for at {}: another program or limit", name_of(row.asked)));
+            refuse(fmt::format("they requested different things at {}: another program or limit", name_of(row.asked)));
         } else if (!same_answer(a, b)) {
             refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
                                to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status), b.bounds.lower,

@@ -123,7 +123,7 @@ LoadedShape load_named(const std::string& name, const ShapeOptions& options) {
     } else if (!options.unit.empty()) {
         const auto unit = unit_named(options.unit);
         if (!unit)
-            throw InputError(fmt::format("--unit: '{}' is no unit that is known: choose one of {}, or none",
+            throw InputError(fmt::format("--unit: '{}' is not a known unit: choose one of {}, or none",
                                          one_line(options.unit), unit_names()));
         expect_vertices(loaded, "--unit");
         convert_to_unit(loaded, *unit, name);

@@ -99,7 +99,7 @@ void add_draw(CLI::App& app, int&) {
                           "hausbench draw results/zhang2017_table3.h5 --as table");
     take(verb, "result", Takes::value, "FILE", "result file (.h5)");
     take(verb, "--as", Takes::value, "table|error-against-time|performance-profile|motion",
-         "what to draw; may be repeated (default: all that the result has data for)");
+         "what to draw; may be repeated (default: everything that the result has data for)");
     take(verb, "--highlight", Takes::value, "LABEL", "draws this solver in front of the others, which become grey");
     take(verb, "--width", Takes::value, "WIDTH",
          "of figures: single (3.5 inches), double (7.16) or inches (default: double)");

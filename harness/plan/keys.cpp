@@ -64,7 +64,7 @@ const KeyTable& top_keys() {
              {"solver", "", "tables `[[solver]]`, at least one"},
              {"claim", "", "tables `[[claim]]`"},
              {"model", "", "tables `[model.NAME]`: models of this file"},
-             {"profile", "", "tables `[profile.NAME]`: keys that replace those of the top level in that profile"}}};
+             {"profile", "", "tables `[profile.NAME]`: keys that replace keys of the top level in that profile"}}};
     }();
     return table;
 }

@@ -181,7 +181,7 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     for (const toml::node& item : *frames) {
         const auto frame = item.value_exact<std::int64_t>();
         if (!frame || *frame < 0 || *frame >= count)
-            table.fail(item, fmt::format("'frames': a frame is a whole number from 0 to {}", count - 1));
+            table.fail(item, fmt::format("'frames': a frame is an integer from 0 to {}", count - 1));
         asked[std::size_t(*frame)] = true;
     }
     return asked;

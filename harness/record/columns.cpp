@@ -35,7 +35,7 @@ template <class Row> void read_row(const Columns<Row>& columns, const json& obje
             if (text->set) text->set(row, at->template get<std::string>());
         } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
             if (!at->is_number_integer())  // converting another number may overflow, which is undefined
-                throw std::runtime_error(std::string(column.name) + " is no whole number");
+                throw std::runtime_error(std::string(column.name) + " is not an integer");
             if (integer->set) integer->set(row, at->template get<std::int64_t>());
         } else {
             const auto& real = std::get<typename Column<Row>::Real>(column.value);

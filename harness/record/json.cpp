@@ -61,7 +61,7 @@ namespace {
 
 // Returns the value, but throws if it is not an integer: converting another number may overflow, which is undefined.
 const json& whole(const json& value) {
-    if (!value.is_number_integer()) throw std::runtime_error("a count is no whole number");
+    if (!value.is_number_integer()) throw std::runtime_error("a count is not an integer");
     return value;
 }
 

@@ -498,7 +498,7 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect(ball + "raduis = 2\n", {"line 6", "unknown key 'raduis'", "did you mean 'radius'"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosfere'\n", {"line 3", "did you mean 'icosphere'"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nradius = 1\n", {"needs the number 'level'"});
-    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1.5\nradius = 1\n", {"whole number"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1.5\nradius = 1\n", {"an integer"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 99\nradius = 1\n", {"level is 99"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
            {"line 4", "must be a number"});

@@ -349,7 +349,7 @@ TEST_F(PointFiles, BadPcdHeaders) {
     refused("a.pcd", with("SIZE 4 4 4", "SIZE 4 4 3"), {"'z' is of type F3"});
     refused("a.pcd", with("COUNT 1 1 1", "COUNT 1 1 2"), {"'z'", "count 2"});
     refused("a.pcd", with("POINTS 1", "POINTS 2"), {"POINTS is 2, and WIDTH times HEIGHT 1"});
-    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is not a whole number"});
+    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is not an integer"});
     refused("a.pcd", with("WIDTH 1", "WIDTH 1099511627776"), {"WIDTH times HEIGHT"});
     refused("a.pcd", with("DATA ascii", "DATA asci"), {"unknown DATA 'asci'", "did you mean 'ascii'"});
 }

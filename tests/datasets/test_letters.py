@@ -137,7 +137,7 @@ def test_outlines_that_are_no_ring_with_holes_are_refused(rings: list[letters.Ri
 
 def test_coordinates_that_are_no_doubles_are_refused() -> None:
     third = [(x / 3, y / 3) for x, y in SQUARE]
-    with pytest.raises(ValueError, match="no double"):
+    with pytest.raises(ValueError, match="not a double"):
         letters.obj_text(letters.solid([third], Fraction(1), 0))
 
 

@@ -81,8 +81,8 @@ def test_some_frames(hausbench: Program, tmp_path: Path, more: str, frames: list
 
 
 @pytest.mark.parametrize(("more", "error"), [
-    ("every = 2\nframes = [1]", "'every' and 'frames' both choose frames"), ("frames = [4]", "a frame is a whole number from 0 to 3"),
-    ("frames = [1]", "no objects overlap in the frames"), ("frames = 2", "must be a list"), ("every = 0", "'every' must be a whole number"),
+    ("every = 2\nframes = [1]", "'every' and 'frames' both choose frames"), ("frames = [4]", "a frame is an integer from 0 to 3"),
+    ("frames = [1]", "no objects overlap in the frames"), ("frames = 2", "must be a list"), ("every = 0", "'every' must be an integer"),
     ('source = "box"', "'source' cannot be combined with 'recording'"), ('motion = { kind = "static" }', "'motion' cannot be combined with 'recording'")])
 def test_keys_that_do_not_fit(hausbench: Program, tmp_path: Path, more: str, error: str) -> None:
     done = hausbench("run", experiment(tmp_path, more), "--results", tmp_path)
