@@ -102,7 +102,7 @@ hostile: build  ## fetch (50 MB) and measure all files known to break programs; 
 certificates: build  ## write and check proofs for 41 pairs of real meshes (fewer for guthe and sacht); false claims must be refused
 	$(FETCH)
 	for of in cover 'guthe --pairs 8' 'sacht --pairs 8'; do $(PYTHON) tests/certificates.py --solver $$of; done
-mutants: $(DEPS)  ## remove each term in tests/mutants.toml in turn, in a copy of the tree; its test must then fail (MUTANTS=text for some)
+mutants: $(DEPS)  ## switch off each term in tests/mutants.toml in turn; its test must then fail (MUTANTS=text for some)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}
 asan: $(DEPS)  ## run the C++ tests with the address and undefined behaviour sanitizers
 	tools/build asan all

@@ -1,5 +1,6 @@
 #include "algorithms/contract.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/plugin.h"
 #include "paper_keys.h"  // written by CMake from papers.bib
 
@@ -19,7 +20,8 @@ std::string parameter_error(const ParameterSpec& spec) {
     const auto* real = std::get_if<double>(&spec.default_value);
     if (!spec.choices.empty()) {
         if (!text) return "has choices but is not a text: make its default a text, or give least and most";
-        if (std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end())
+        if (WATCHED("contract: a default is one of the choices",
+                    std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end()))
             return fmt::format("the default '{}' is not one of its choices{}", *text,
                                nearest_hint(*text, spec.choices));
     }
@@ -67,7 +69,8 @@ void break_contract(const std::string& solver, const std::string& what) {
 
 void check_contract(const SolverEntry& entry) {
     const SolverInfo& info = entry.info;
-    if (const std::string error = declaration_error(info); !error.empty())
+    if (const std::string error = declaration_error(info);
+        WATCHED("contract: plug-ins are checked when they are loaded", !error.empty()))
         break_contract(info.name, "breaks its contract: " + error);
     const bool incomplete =
         std::any_of(info.parameters.begin(), info.parameters.end(), [](const auto& p) { return p.required(); });
@@ -86,7 +89,7 @@ std::unique_ptr<Solver> make_solver(const SolverEntry& entry, const Options& opt
     std::unique_ptr<Solver> solver;
     held_to_contract(entry.info.name, "its constructor", [&] { solver = entry.make(options); });
     if (!solver) break_contract(entry.info.name, "is null: its function returns no solver");
-    if (const auto unread = options.unread(); !unread.empty())
+    if (const auto unread = options.unread(); WATCHED("contract: every parameter is read", !unread.empty()))
         break_contract(
             entry.info.name,
             fmt::format("does not read its parameter '{}': read it in the constructor, or remove it", unread.front()));
@@ -98,7 +101,8 @@ Needs checked_needs(const SolverEntry& entry, const Solver& solver, const Scene&
     held_to_contract(entry.info.name, "needs()", [&] { needs = solver.needs(scene, queries); });
     const Needs& declared = entry.info.may_need;
     for (const Need& need : needs) {
-        if (std::find(declared.begin(), declared.end(), need) == declared.end())
+        if (WATCHED("contract: what a solver needs is declared",
+                    std::find(declared.begin(), declared.end(), need) == declared.end()))
             break_contract(entry.info.name,
                            fmt::format("needs a {} that is not in may_need: declare it there", to_string(need)));
     }

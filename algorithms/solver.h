@@ -22,6 +22,7 @@
 
 #include "algorithms/kernel/counters.h"
 #include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/options.h"
 #include "algorithms/prepared.h"
 #include "algorithms/scene.h"
@@ -220,8 +221,13 @@ struct Query {
     std::optional<Status> answer(double lower, double upper) const {
         if (lower > cutoff) return Status::above_cutoff;
         const bool asks = floor >= cutoff;
-        if (upper <= floor && (floor > 0 || asks)) return Status::below_floor;
-        if (!asks && upper - (lower > floor ? lower : floor) <= tolerance.gap(lower)) return Status::converged;
+        if (upper <= floor && WATCHED_ELSE("query: below the floor where none is given", floor > 0 || asks, true))
+            return Status::below_floor;
+        if (WATCHED_ELSE("query: the tolerance ends no question", !asks, true) &&
+            upper - WATCHED_ELSE("query: what is below the floor does not count", lower > floor ? lower : floor,
+                                 lower) <=
+                tolerance.gap(lower))
+            return Status::converged;
         return std::nullopt;
     }
 };

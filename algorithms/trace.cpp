@@ -1,5 +1,6 @@
 #include "algorithms/trace.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 
 #include <cfenv>
@@ -14,7 +15,7 @@ void Trace::show(Result& so_far) {
     std::fegetenv(&environment);
     std::fesetround(FE_TONEAREST);
     watcher_(so_far);
-    std::fesetenv(&environment);
+    if (WATCHED("trace: the rounding mode of SSE is kept", true)) std::fesetenv(&environment);
     next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
 }
 

@@ -26,7 +26,7 @@ from typing import Final
 
 import tomli_w
 
-from analysis.shared import missing, tables, unlike
+from analysis.shared import missing, table_files, unlike
 from analysis.shared.cells import WORK
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.remedy import ROOT
@@ -133,7 +133,7 @@ def keep(stem: str, results: Results) -> Path:
     replaced = {words(row) for row in new.values()}
     rows = {identity: row for identity, row in kept(stem).items() if words(row) not in replaced} | new
     path = FOLDER / f"{stem}.csv"
-    tables.write_whole(path, tables.comma_separated([{name: row.get(name, "") for name in NAMES} for row in rows.values()]))
+    table_files.write_whole(path, table_files.comma_separated([{name: row.get(name, "") for name in NAMES} for row in rows.values()]))
     return path
 
 

@@ -20,7 +20,7 @@ from typing import Final
 
 from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
-from analysis.shared import claims, gate, tables
+from analysis.shared import claims, gate, table_files
 from analysis.shared.report import CAPTION
 from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
@@ -136,7 +136,7 @@ def write(paper: str, folder: Path, out: Path) -> Path | None:
     path.parent.mkdir(parents=True, exist_ok=True)
     text = document(paper, folder, path.parent)
     if text:
-        tables.write_whole(path, text)
+        table_files.write_whole(path, text)
     return path if text else None
 
 

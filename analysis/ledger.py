@@ -20,7 +20,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.load import each, load_all
 from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
@@ -141,7 +141,7 @@ def seconds_text(saved: float, unknown: int, entries: int) -> str:
     """Returns '1.50 (3 not measured)': the seconds saved, and the number of entries that this sum lacks."""
     if unknown == entries:
         return "not measured"
-    return tables.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
+    return numerals.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
 
 
 def _most(reasons: Counter[str]) -> str:
@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "entries_not_measured": stem.unknown[key],
                                      "seconds_saved": stem.saved[key] if stem.unknown[key] < stem.entries[key] else float("nan")}
                                     for stem in stems for key in stem.entries]
-    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", CAPTION), *save_caption(CAPTION, out, "ledger")]:
+    for path in [*table_files.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", CAPTION), *save_caption(CAPTION, out, "ledger")]:
         print(path)
     print(line(stems))
     return 0

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis import conditions, forest
-from analysis.shared import claims, gate, report, tables
+from analysis.shared import claims, gate, report, table_files
 from analysis.shared.load import REFERENCE
 from analysis.shared.printable import printable
 from analysis.shared.tex import tex_escape
@@ -188,7 +188,7 @@ def write_kept(folder: Path = REFERENCE, picture: Path = ROOT / "docs" / "claims
         all_lines += lines
         paths.append(folder / f"{paper}_claims.md")
         measured = conditions.line(conditions.kept_texts(folder, judging(lines, False)))
-        tables.write_whole(paths[-1], printable(markdown(paper, lines, measured), lines=True))
+        table_files.write_whole(paths[-1], printable(markdown(paper, lines, measured), lines=True))
     measured = conditions.measured(conditions.kept_texts(folder, judging(all_lines, False)))
     return [*paths, report.save_png(forest.draw([line.verdict for line in all_lines if line.verdict], measured), picture)]
 
@@ -202,7 +202,7 @@ def write(out: Path) -> list[Path]:
         for suffix, text in (("md", markdown(paper, lines, measured)), ("tex", latex(paper, lines, measured))):
             paths.append(out / "tables" / f"{paper}_claims.{suffix}")
             paths[-1].parent.mkdir(parents=True, exist_ok=True)
-            tables.write_whole(paths[-1], printable(text, lines=True))
+            table_files.write_whole(paths[-1], printable(text, lines=True))
     figure = forest.draw([line.verdict for line in all_lines if line.verdict], conditions.measured(texts_of(all_lines, out)))
     return [*paths, *report.save_figure(figure, out, "claims", forest.CAPTION)]
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis import paper_page, winners
-from analysis.shared import claims, missing, style, tables, unlike
+from analysis.shared import claims, missing, style, table_files, tables, unlike
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.report import Report
@@ -59,7 +59,7 @@ def kept_of(path: Path) -> Kept:
             kept.rows[stem], kept.tables[stem] = rows[stem], body.strip("\n")
     kept.verdicts = claims.read(path.with_suffix(claims.SUFFIX))
     if (file := path.with_suffix(winners.SUFFIX)).exists():
-        kept.times = tables.read_json(file)
+        kept.times = table_files.read_json(file)
     kept.machines = [line[2:] for line in head.splitlines() if line.startswith("- ")]
     return kept
 
@@ -146,10 +146,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    tables.write_whole(path, text)
-    tables.save_json(judged, path.with_suffix(claims.SUFFIX))
+    table_files.write_whole(path, text)
+    table_files.save_json(judged, path.with_suffix(claims.SUFFIX))
     if timed:
-        tables.save_json(timed, path.with_suffix(winners.SUFFIX))
+        table_files.save_json(timed, path.with_suffix(winners.SUFFIX))
     print(path)
     if chosen.out != REFERENCE:
         return 0

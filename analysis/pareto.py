@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style
 from analysis.shared.comparable import apart, origins
 from analysis.shared.load import load
 from analysis.shared.results import ResultError, Results
@@ -47,10 +47,10 @@ class Cell:
     def line(self) -> str:
         worst = max(self.beaten_by or self.rivals, key=lambda rival: rival.ratio.value if rival.ratio.n else 0.0)
         if not worst.ratio.n:
-            return f"{style.scene_title(self.scene)} at {tables.number(self.tolerance, 1)}: no ratio to {worst.name}: {worst.ratio.reason}"
+            return f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: no ratio to {worst.name}: {worst.ratio.reason}"
         what = "beaten by" if self.beaten_by else "not separated from"
-        return (f"{style.scene_title(self.scene)} at {tables.number(self.tolerance, 1)}: {what} {worst.name}, "
-                f"{tables.estimate(worst.ratio)} times as fast with a gap of {tables.number(worst.gap, 2)} instead of {tables.number(self.gap, 2)}")
+        return (f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: {what} {worst.name}, "
+                f"{numerals.estimate(worst.ratio)} times as fast with a gap of {numerals.number(worst.gap, 2)} instead of {numerals.number(self.gap, 2)}")
 
 
 def cells(results: Results, solver: str) -> list[Cell]:

@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.comparable import apart, origins
 from analysis.shared.load import each, load_all
 from analysis.shared.notes import machine_line
@@ -54,7 +54,7 @@ class Cell:
 
     @property
     def text(self) -> str:
-        return self.title if self.ratio is None or not self.ratio.n else f"{self.title} {tables.number(self.ratio.value, 2)}×"
+        return self.title if self.ratio is None or not self.ratio.n else f"{self.title} {numerals.number(self.ratio.value, 2)}×"
 
 
 def cells_of(results: Results) -> list[Cell]:
@@ -115,7 +115,7 @@ def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], d
 
 def table(cells: Sequence[Cell], machine: str) -> tables.Table:
     rows = [[DOMAINS[one.domain], one.scene, one.sizes, "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
-             style.title(one.solver, one.label), tables.ratio(one.ratio) if one.ratio else tables.NOTHING, str(one.rivals),
+             style.title(one.solver, one.label), numerals.ratio(one.ratio) if one.ratio else numerals.NOTHING, str(one.rivals),
              "yes" if one.separated else "no", one.stem] for one in cells]
     return tables.Table(CAPTION,
                         ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
@@ -163,7 +163,7 @@ def text_of(cells: Sequence[Cell]) -> str:
     ratios = sorted(one.ratio.value for one in cells if one.ratio is not None and one.ratio.n)
     if len(cells) == 1 or len(ratios) < len(cells):
         return cells[0].text if len(cells) == 1 else cells[0].title
-    ends = dict.fromkeys([tables.number(ratios[0], 2), tables.number(ratios[-1], 2)])
+    ends = dict.fromkeys([numerals.number(ratios[0], 2), numerals.number(ratios[-1], 2)])
     return f"{cells[0].title} {'–'.join(ends)}×"
 
 
@@ -225,7 +225,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate "
                 "nothing). No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is "
                 "hatched if one of them is.")
-    for path in [*tables.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
+    for path in [*table_files.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
         print(path)
     return 0
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.load import REFERENCE
 from analysis.shared.results import Results
@@ -68,7 +68,7 @@ def times(records: Iterable[tables.Record], results: Results) -> list[tables.Rec
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:
     """Reads the times that belong to a file of tables in `folder`. Raises OSError if there are none."""
-    return [Time(**one) for one in tables.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
+    return [Time(**one) for one in table_files.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
 
 
 @dataclass
@@ -110,7 +110,7 @@ def victories(races: dict[str, Race]) -> dict[str, list[str]]:
     texts: dict[str, list[str]] = {}
     for stem, seen in races.items():
         for solver, factors in seen.won.items():
-            low, high = tables.number(min(factors), 2), tables.number(max(factors), 2)
+            low, high = numerals.number(min(factors), 2), numerals.number(max(factors), 2)
             texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
                                                 "as fast as the next best")
     return texts
@@ -145,7 +145,7 @@ def rewritten(readme: str, text: str) -> str:
 
 
 def write(folder: Path = REFERENCE, readme: Path = README) -> Path:
-    tables.write_whole(readme, rewritten(readme.read_text(encoding="utf-8"), table(folder)))
+    table_files.write_whole(readme, rewritten(readme.read_text(encoding="utf-8"), table(folder)))
     return readme
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.shared.load import load
-from analysis.shared.tables import number
+from analysis.shared.numerals import number
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "release"

@@ -42,7 +42,7 @@ Vec3 random_vector(const RandomNumbers& random, std::uint64_t& next) {
 
 // --- one point and one triangle --------------------------------------------------------------------------------------
 
-constexpr std::size_t pairs = 4096;
+constexpr std::size_t pair_count = 4096;
 
 // Point i belongs to triangle i. The blocks contain the same triangles in the same order.
 struct Pairs {
@@ -58,8 +58,8 @@ const Pairs& random_pairs() {
         Pairs all;
         const RandomNumbers random(7);
         std::uint64_t next = 0;
-        TriangleMesh mesh{Points(3 * pairs, 3), Triangles(pairs, 3)};
-        for (Index i = 0; i < static_cast<Index>(pairs); ++i) {
+        TriangleMesh mesh{Points(3 * pair_count, 3), Triangles(pair_count, 3)};
+        for (Index i = 0; i < static_cast<Index>(pair_count); ++i) {
             for (int k = 0; k < 3; ++k) {
                 mesh.vertices.row(3 * i + k) = random_vector(random, next);
                 mesh.triangles(i, k) = 3 * i + k;
@@ -67,7 +67,7 @@ const Pairs& random_pairs() {
             all.triangles.push_back(triangle_of(mesh, i));
             all.points.push_back(random_vector(random, next));
         }
-        for (Index i = 0; i < static_cast<Index>(pairs); i += block_width) {
+        for (Index i = 0; i < static_cast<Index>(pair_count); i += block_width) {
             Index lanes[block_width];
             for (Index k = 0; k < block_width; ++k) lanes[k] = i + k;
             all.blocks.emplace_back().set(mesh, lanes);
@@ -80,9 +80,9 @@ const Pairs& random_pairs() {
 template <class Kernel> void point_triangle(benchmark::State& state, const Kernel& kernel) {
     const Pairs& all = random_pairs();
     for (auto _ : state) {
-        for (std::size_t i = 0; i < pairs; ++i) benchmark::DoNotOptimize(kernel(all.points[i], all.triangles[i]));
+        for (std::size_t i = 0; i < pair_count; ++i) benchmark::DoNotOptimize(kernel(all.points[i], all.triangles[i]));
     }
-    count(state, pairs);
+    count(state, pair_count);
 }
 
 // Times one point against all triangles of a block at once.
@@ -95,7 +95,7 @@ void point_block(benchmark::State& state) {
             benchmark::DoNotOptimize(feet);
         }
     }
-    count(state, pairs);
+    count(state, pair_count);
 }
 
 void register_pairs() {

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.shared.statistics import Estimate
-from analysis.shared.tables import NOTHING, Table, markdown, number
+from analysis.shared.numerals import NOTHING, number
+from analysis.shared.tables import Table, markdown
 
 COLUMNS = ["part", "scene", "contender", "elements", "nanoseconds", "ratio", "low", "high", "rounds", "bytes",
            "largest_difference"]

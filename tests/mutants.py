@@ -1,10 +1,10 @@
-"""Plants each mutant of tests/mutants.toml in a copy of the tree, and expects its test to fail.
+"""Switches off each term that tests/mutants.toml lists, and expects its test to fail.
 
     python3 tests/mutants.py [--list] [PATTERN ...]
 
-A mutant lacks one term of a bound, or one check. If its test still passes, no test covers that term: write a test, or
-remove the term. PATTERN selects the entries whose name or file contains it (* and ? work as in file names). The copy is
-build/mutants in the tree; its build folder is reused. Exit code 1: some mutant was not caught.
+A switch (algorithms/kernel/watched.h) leaves out one term of a bound, or one check. If its test still passes, no test covers
+that term: write a test, or remove the term. PATTERN selects the entries whose name or file contains it (* and ? work as in file
+names). Builds the tests once, in build/mutants. Exit code 1: the test of some switch did not fail.
 """
 
 from __future__ import annotations
@@ -18,22 +18,25 @@ import subprocess
 import sys
 import time
 import tomllib
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LIST = "tests/mutants.toml"
-TEST_SECONDS = 600
+SWITCH = re.compile(r'\bWATCHED(?:_ELSE)?\(\s*"((?:\\.|[^"\\])*)"')
+TEST_SECONDS = 600  # without a switch
+SLOWER = 10  # a test with a switch may take so many times as long as without, and SPARE_SECONDS more
+SPARE_SECONDS = 20
 
 
 @dataclass(frozen=True)
 class Mutant:
     name: str
-    file: str
-    text: str
-    plant: str
-    test: str
-    filter: str = ""
+    test: str  # a C++ test program, or "pytest FILE::TEST"
+    filter: str = ""  # for --gtest_filter
+    files: tuple[str, ...] = ()  # where its switches are
 
     @property
     def is_pytest(self) -> bool:
@@ -41,123 +44,86 @@ class Mutant:
 
     @property
     def targets(self) -> list[str]:
-        """The targets to build. Empty if the test needs only Python."""
-        if not self.is_pytest:
-            return [self.test]
-        program = self.file.endswith((".cpp", ".h")) or self.test.startswith("pytest tests/program")
-        return ["hausbench", "hausbench_commit"] if program else []
+        return ["hausbench", "hausbench_commit"] if self.is_pytest else [self.test]
 
 
 class BadEntry(Exception):
-    """An entry that cannot be planted or run; the message names it."""
+    """An entry that has no switch or test, or whose test fails anyway; the message names it."""
+
+
+def switches(root: Path) -> dict[str, tuple[str, ...]]:
+    """Returns the files of each switch in the sources, by name."""
+    found: dict[str, set[str]] = {}
+    listed = subprocess.run(["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard", "*.cpp", "*.h"], check=True,
+                            capture_output=True, text=True).stdout
+    for file in listed.split("\n"):
+        if file and not file.endswith("kernel/watched.h") and (root / file).is_file():
+            for name in SWITCH.findall((root / file).read_text()):
+                found.setdefault(name.replace('\\"', '"'), set()).add(file)
+    return {name: tuple(sorted(files)) for name, files in found.items()}
 
 
 def read(root: Path) -> list[Mutant]:
-    fields = set(Mutant.__dataclass_fields__)
+    """Returns the entries. Raises BadEntry if one is wrong, or if a switch has no entry."""
+    known = switches(root)
+    tests = re.findall(r"^hausbench_test\((?:\w+/)*(\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M)
     mutants: list[Mutant] = []
+    wrong = []
     for entry in tomllib.loads((root / LIST).read_text()).get("mutant", []):
         name = entry.get("name", "without a name")
-        if unknown := set(entry) - fields:
-            raise BadEntry(f"{LIST}: {name}: unknown key {sorted(unknown)[0]}")
-        if missing := fields - set(entry) - {"filter"}:
-            raise BadEntry(f"{LIST}: {name}: {sorted(missing)[0]} is missing")
-        if any(name == other.name for other in mutants):
-            raise BadEntry(f"{LIST}: {name}: two entries have this name")
-        mutants.append(Mutant(**entry))
+        if unknown := set(entry) - {"name", "test", "filter"}:
+            wrong.append(f"{name}: unknown key {sorted(unknown)[0]}")
+        elif missing := {"name", "test"} - set(entry):
+            wrong.append(f"{name}: {sorted(missing)[0]} is missing")
+        elif any(name == other.name for other in mutants):
+            wrong.append(f"{name}: two entries have this name")
+        elif name not in known:
+            wrong.append(f"{name}: no source has a switch of this name")
+        else:
+            mutant = Mutant(**entry, files=known[name])
+            mutants.append(mutant)
+            if not ((root / mutant.test.split()[1].split("::")[0]).is_file() if mutant.is_pytest else mutant.test in tests):
+                wrong.append(f"{name}: there is no test {mutant.test}")
+    wrong += [f"{name}: has a switch in {known[name][0]}, but no entry" for name in sorted(set(known) - {mutant.name for mutant in mutants})]
+    if wrong:
+        raise BadEntry("\n".join(f"{LIST}: {line}" for line in wrong))
     return mutants
 
 
-def place(mutant: Mutant, source: str) -> tuple[int, int]:
-    """Returns the span of the mutant's text in the source. Any white space matches any other, so reformatting does no harm."""
-    found = [m.span() for m in re.finditer(r"\s+".join(map(re.escape, mutant.text.split())), source)]
-    if len(found) != 1:
-        times = f"found {len(found)} times, and must be unique" if found else "not found"
-        raise BadEntry(f"{LIST}: {mutant.name}: its text is {times} in {mutant.file}")
-    return found[0]
+@dataclass(frozen=True)
+class Tests:
+    """The tests, in the build folder of the preset `mutants`."""
 
+    root: Path
+    jobs: int
 
-def planted(mutant: Mutant, root: Path) -> str:
-    """Returns the source file's text with the mutant in place."""
-    path = root / mutant.file
-    if not path.is_file():
-        raise BadEntry(f"{LIST}: {mutant.name}: there is no file {mutant.file}")
-    source = path.read_text()
-    begin, end = place(mutant, source)
-    changed = source[:begin] + mutant.plant + source[end:]
-    if changed == source:
-        raise BadEntry(f"{LIST}: {mutant.name}: the plant is the text itself")
-    return changed
+    @property
+    def folder(self) -> Path:
+        return self.root / "build" / "mutants"
 
+    def build(self, targets: list[str]) -> None:
+        """Builds the targets. Raises BadEntry with the end of the compiler's output if they do not build."""
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        commands = [] if (self.folder / "build.ninja").is_file() else [["cmake", "--preset", "mutants", *launcher]]
+        for command in [*commands, ["cmake", "--build", "--preset", "mutants", "-j", str(self.jobs), "--target", *targets]]:
+            done = subprocess.run(command, cwd=self.root, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+            if done.returncode != 0:
+                raise BadEntry(f"the tests do not build\n{last_lines(done.stdout)}")
 
-def not_plantable(root: Path, mutants: list[Mutant]) -> list[str]:
-    """Returns an error for each mutant whose text does not occur exactly once or whose test does not exist."""
-    tests = re.findall(r"^hausbench_test\((?:\w+/)*(\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M)
-    wrong = []
-    for mutant in mutants:
+    def run(self, mutant: Mutant, off: bool, seconds: float) -> tuple[str, str]:
+        """Runs the test of an entry, with its switch off or on; returns `green`, `red` or `none` (no test ran), and the output."""
+        environment = dict(os.environ, HAUSBENCH_PROGRAM=str(self.folder / "hausbench"), HAUSBENCH_SEARCHES="all")
+        environment |= {"HAUSBENCH_MUTANT": mutant.name} if off else {}
+        command = [str(self.folder / "tests" / mutant.test), f"--gtest_filter={mutant.filter or '*'}"]
+        if mutant.is_pytest:
+            command = [sys.executable, "-B", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *mutant.test.split()[1:]]
         try:
-            planted(mutant, root)
-            if not ((root / mutant.test.split()[1].split("::")[0]).is_file() if mutant.is_pytest else mutant.test in tests):
-                raise BadEntry(f"{LIST}: {mutant.name}: there is no test {mutant.test}")
-        except BadEntry as error:
-            wrong.append(str(error))
-    return wrong
-
-
-def copy_tree(root: Path, copy: Path) -> None:
-    """Copies all files that git tracks or would add, except unchanged ones, so that little is rebuilt."""
-    listed = subprocess.run(["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-                            check=True, capture_output=True, text=True).stdout
-    files = {name for name in listed.split("\0") if name and (root / name).is_file()}
-    for name in files:
-        new, old = (root / name).read_bytes(), copy / name
-        if not old.is_file() or old.read_bytes() != new:
-            old.parent.mkdir(parents=True, exist_ok=True)
-            old.write_bytes(new)
-            shutil.copymode(root / name, old)
-    for folder, folders, names in os.walk(copy):
-        if Path(folder) == copy and "build" in folders:
-            folders.remove("build")
-        for old in (Path(folder) / name for name in names):
-            if str(old.relative_to(copy)) not in files:
-                old.unlink()
-
-
-class Tree:
-    """The copy of the tree, with its build folder."""
-
-    def __init__(self, root: Path, jobs: int):
-        self.folder = root / "build" / "mutants"
-        self.build_folder = self.folder / "build" / "release"
-        self.jobs = jobs
-        copy_tree(root, self.folder)
-
-    def run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
-        environment = dict(os.environ, HAUSBENCH_PROGRAM=str(self.build_folder / "hausbench"), HAUSBENCH_SEARCHES="all", CCACHE_BASEDIR=str(self.folder))
-        return subprocess.run(command, cwd=self.folder, env=environment, timeout=TEST_SECONDS if command[0] != "cmake" else None,
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
-
-    def build(self, targets: list[str]) -> str:
-        """Builds the targets. Returns the output of a failed build, else an empty string."""
-        if not targets:
-            return ""
-        if not (self.build_folder / "build.ninja").is_file():
-            launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-            # without unity builds, a mutant recompiles a single file
-            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])
-            if configured.returncode != 0:
-                return configured.stdout
-        built = self.run(["cmake", "--build", "--preset", "release", "-j", str(self.jobs), "--target", *targets])
-        return built.stdout if built.returncode != 0 else ""
-
-    def test(self, mutant: Mutant) -> tuple[str, str]:
-        """Runs the mutant's test; returns `green`, `red` or `none` (no test ran), and the output."""
-        try:
-            if mutant.is_pytest:
-                done = self.run([sys.executable, "-B", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *mutant.test.split()[1:]])
-                return {0: "green", 1: "red"}.get(done.returncode, "none"), done.stdout
-            done = self.run([str(self.build_folder / "tests" / mutant.test), f"--gtest_filter={mutant.filter or '*'}"])
+            done = subprocess.run(command, cwd=self.root, env=environment, timeout=seconds, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, text=True, errors="replace", check=False)
         except subprocess.TimeoutExpired:
-            return "red", f"the test ran longer than {TEST_SECONDS} s"
+            return "red", f"the test ran longer than {seconds:.0f} s"
+        if mutant.is_pytest:
+            return {0: "green", 1: "red"}.get(done.returncode, "none"), done.stdout
         if done.returncode != 0:
             return "red", done.stdout
         return ("none" if "[  PASSED  ] 0 tests" in done.stdout else "green"), done.stdout
@@ -167,57 +133,63 @@ def last_lines(text: str, lines: int = 12) -> str:
     return "".join(f"    {line}\n" for line in text.strip().splitlines()[-lines:])
 
 
-def check_unmutated(tree: Tree, mutants: list[Mutant]) -> None:
-    """Runs each test once without a mutant, because a test that fails anyway proves nothing."""
-    targets = sorted({target for mutant in mutants for target in mutant.targets})
-    print(f"without a mutant: building {' '.join(targets) or 'nothing'}", flush=True)
-    if wrong := tree.build(targets):
-        raise BadEntry(f"the tree does not build without a mutant\n{last_lines(wrong)}")
-    for test, chosen, mutant in sorted({(m.test, m.filter): (m.test, m.filter, m) for m in mutants}.values(), key=lambda t: t[:2]):
-        verdict, output = tree.test(mutant)
+Test = tuple[str, str]  # the test and the filter of an entry
+
+
+def seconds_without(tests: Tests, mutants: list[Mutant]) -> dict[Test, float]:
+    """Runs each test once without a switch, because a test that fails anyway proves nothing; returns how long each took."""
+
+    def run(mutant: Mutant) -> float:
+        begin = time.monotonic()
+        verdict, output = tests.run(mutant, False, TEST_SECONDS)
         if verdict != "green":
-            what = "fails without a mutant" if verdict == "red" else "runs no test; is its filter right?"
-            raise BadEntry(f"{LIST}: {mutant.name}: {test} {chosen} {what}\n{last_lines(output)}")
+            what = "fails without a switch" if verdict == "red" else "runs no test; is its filter right?"
+            raise BadEntry(f"{LIST}: {mutant.name}: {mutant.test} {mutant.filter} {what}\n{last_lines(output)}")
+        return time.monotonic() - begin
+
+    different = {(mutant.test, mutant.filter): mutant for mutant in mutants}
+    with ThreadPoolExecutor(tests.jobs) as pool:
+        return dict(zip(different, pool.map(run, different.values())))
 
 
-def try_one(tree: Tree, mutant: Mutant) -> tuple[str, str]:
-    """Returns the verdict on a mutant (`caught`, `survived` or `broken`) and a remark. Restores the copy afterwards."""
-    path = tree.folder / mutant.file
-    original = path.read_text()
-    path.write_text(planted(mutant, tree.folder))
-    try:
-        if wrong := tree.build(mutant.targets):
-            return "broken", f"it does not build, which is no catch\n{last_lines(wrong)}"
-        verdict, output = tree.test(mutant)
-    finally:
-        path.write_text(original)  # the new time stamp makes the next build restore it
-    if verdict == "none":
-        return "broken", f"no test ran, which is no catch\n{last_lines(output)}"
-    return ("caught", "") if verdict == "red" else ("survived", f"{mutant.test} {mutant.filter} stays green")
+def verdicts(tests: Tests, mutants: list[Mutant], without: dict[Test, float]) -> Iterator[tuple[Mutant, str, str]]:
+    """Yields each entry with its verdict (`caught`, `survived` or `broken`) and a remark, as they end."""
+    with ThreadPoolExecutor(tests.jobs) as pool:
+        running = {}
+        for mutant in mutants:
+            seconds = SLOWER * without[mutant.test, mutant.filter] + SPARE_SECONDS
+            running[pool.submit(tests.run, mutant, True, seconds)] = mutant
+        for ended in as_completed(running):
+            mutant, (verdict, output) = running[ended], ended.result()
+            if verdict == "none":
+                yield mutant, "broken", f"no test ran\n{last_lines(output)}"
+            elif verdict == "red":
+                yield mutant, "caught", ""
+            else:
+                yield mutant, "survived", f"{mutant.test} {mutant.filter} passes without it"
 
 
 def chosen(mutants: list[Mutant], patterns: list[str]) -> list[Mutant]:
     def fits(mutant: Mutant) -> bool:
-        return any(fnmatch.fnmatch(text.lower(), f"*{pattern.lower()}*") for pattern in patterns for text in (mutant.name, mutant.file))
+        texts = (mutant.name, *mutant.files)
+        return any(fnmatch.fnmatch(text.lower(), f"*{pattern.lower()}*") for pattern in patterns for text in texts)
 
     return [mutant for mutant in mutants if not patterns or fits(mutant)]
 
 
 def run(root: Path, mutants: list[Mutant], jobs: int) -> int:
-    if wrong := not_plantable(root, mutants):
-        raise BadEntry("\nmutants: ".join(wrong))
-    tree = Tree(root, jobs)
-    check_unmutated(tree, mutants)
-    counts = {"caught": 0, "survived": 0, "broken": 0}
     begin = time.monotonic()
-    # Mutants of a file follow each other, so that the file is compiled once per mutant, not twice.
-    for i, mutant in enumerate(sorted(mutants, key=lambda m: (m.file, m.test))):
-        verdict, remark = try_one(tree, mutant)
+    tests = Tests(root, jobs)
+    tests.build(sorted({target for mutant in mutants for target in mutant.targets}))
+    built = time.monotonic()
+    without = seconds_without(tests, mutants)
+    counts = {"caught": 0, "survived": 0, "broken": 0}
+    for i, (mutant, verdict, remark) in enumerate(verdicts(tests, mutants, without)):
         counts[verdict] += 1
-        left = (time.monotonic() - begin) / (i + 1) * (len(mutants) - i - 1) / 60
-        print(f"[{i + 1}/{len(mutants)}] {verdict:8} {mutant.file}: {mutant.name}{': ' + remark if remark else ''}"
-              f"  (about {left:.0f} min left)", flush=True)
-    print(f"{counts['caught']} caught, {counts['survived']} survived" + (f", {counts['broken']} broken" if counts["broken"] else ""))
+        if verdict != "caught" or (i + 1) % 50 == 0:
+            print(f"[{i + 1}/{len(mutants)}] {verdict:8} {mutant.files[0]}: {mutant.name}{': ' + remark if remark else ''}", flush=True)
+    print(f"{counts['caught']} caught, {counts['survived']} survived" + (f", {counts['broken']} broken" if counts["broken"] else "")
+          + f"; built in {built - begin:.0f} s, ran in {time.monotonic() - built:.0f} s")
     return 0 if counts["caught"] == len(mutants) else 1
 
 
@@ -225,7 +197,7 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("patterns", nargs="*", metavar="PATTERN")
     parser.add_argument("--list", action="store_true", help="print the entries; run nothing")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="compilers at a time")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="compilers and tests at a time")
     parser.add_argument("--tree", type=Path, default=ROOT, help="default: the one that this file is in")
     options = parser.parse_args(arguments)
     try:
@@ -234,7 +206,7 @@ def main(arguments: list[str]) -> int:
             raise BadEntry(f"{LIST} has no entry whose name or file contains {' or '.join(options.patterns)}")
         if options.list:
             for mutant in mutants:
-                print(f"{mutant.file}: {mutant.name}  ({mutant.test}{' ' + mutant.filter if mutant.filter else ''})")
+                print(f"{mutant.files[0]}: {mutant.name}  ({mutant.test}{' ' + mutant.filter if mutant.filter else ''})")
             return 0
         return run(options.tree.resolve(), mutants, options.jobs)
     except BadEntry as error:

@@ -14,6 +14,7 @@
 // is then the same largest distance, or infinity if B has no mesh, because B may be empty. Budget, counters and
 // witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "algorithms/error.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "algorithms/surfaces/surface_mesh.h"
@@ -42,7 +43,8 @@ public:
             of_b = triangulate(b, cells_);
         } catch (const InputError& error) {  // the target may be empty
             no_mesh_ = error.what();
-            farthest_ = std::numeric_limits<double>::infinity();
+            if (WATCHED("surface_meshes: a target without a mesh may be empty", true))
+                farthest_ = std::numeric_limits<double>::infinity();
             return;
         }
         try {
@@ -70,10 +72,13 @@ public:
         const Bounds of_meshes = result.bounds;
         {
             const UpwardRounding upward;
-            const Interval low =
-                Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) - Interval(b_.surface_to_mesh);
+            const Interval low = Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) -
+                                 Interval(WATCHED("surface_meshes: how far B is from its mesh", b_.surface_to_mesh));
             result.bounds.lower = std::max(low.inf(), 0.0);
-            result.bounds.upper = std::min(of_meshes.upper + a_.surface_to_mesh + b_.mesh_to_surface, farthest_);
+            result.bounds.upper =
+                std::min(of_meshes.upper + WATCHED("surface_meshes: how far A is from its mesh", a_.surface_to_mesh) +
+                             b_.mesh_to_surface,
+                         farthest_);
         }
         result.witness.source_element = result.witness.target_element = -1;  // they refer to internal meshes
         result.reported = {{"mesh_a_to_surface", a_.mesh_to_surface},

@@ -1,5 +1,7 @@
 #include "algorithms/kernel/deadline.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cfenv>
 
 namespace hausbench {
@@ -12,9 +14,9 @@ bool Interrupt::ask_hook() const {
     // CGAL sets the rounding mode of SSE alone, which fegetround() does not read, so the whole environment is kept.
     std::fenv_t environment;
     std::fegetenv(&environment);
-    std::fesetround(FE_TONEAREST);
+    if (WATCHED("interrupt: the hook rounds to nearest", true)) std::fesetround(FE_TONEAREST);
     const bool stop = hook_(data_) != 0;
-    std::fesetenv(&environment);
+    if (WATCHED("interrupt: the solver's rounding comes back", true)) std::fesetenv(&environment);
     if (stop) requested_.store(true, std::memory_order_relaxed);
     return stop;
 }

@@ -1,6 +1,8 @@
 // Limits on wall time, and requests to stop early.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
+
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -20,7 +22,9 @@ public:
 
     bool stop_requested() const {
         if (requested_.load(std::memory_order_relaxed)) return true;
-        return std::this_thread::get_id() == home_ && ask_hook();
+        return WATCHED_ELSE("interrupt: other threads do not call the hook", std::this_thread::get_id() == home_,
+                            true) &&
+               ask_hook();
     }
 
     // Returns whether the hook has asked to stop, without calling it.
@@ -52,7 +56,7 @@ public:
 
 private:
     bool is_over() const {
-        if (interrupt_ && interrupt_->stop_requested()) return true;
+        if (WATCHED("deadline: an interrupt", interrupt_ && interrupt_->stop_requested())) return true;
         return limited_ && std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() >= seconds_;
     }
 

@@ -14,6 +14,8 @@
     "interval.h: compile with -frounding-math: without it the compiler may move arithmetic out of UpwardRounding's scope"
 #endif
 
+#include "algorithms/kernel/watched.h"
+
 #include <CGAL/Interval_nt.h>
 
 namespace hausbench {
@@ -33,7 +35,8 @@ inline Interval power(const Interval& x, int n) {
     // Pass each end twice, because the constructor with one argument requires a finite number.
     const Interval low(x.inf(), x.inf()), high(x.sup(), x.sup());
     const Interval at_low = CGAL::square(power(low, n / 2)) * low, at_high = CGAL::square(power(high, n / 2)) * high;
-    return Interval(at_low.inf(), at_high.sup());
+    return Interval(at_low.inf(),
+                    WATCHED_ELSE("power: the upper end of an odd one, replayed", at_high.sup(), at_low.sup()));
 }
 
 // Returns the largest absolute value in x.

@@ -1,5 +1,7 @@
 #include "algorithms/kernel/interval_form.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cmath>
 #include <limits>
 
@@ -63,7 +65,9 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
 void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Eigen::Index axis = Eigen::Index(k);
-        const Interval m = Interval(middle[axis]) - Interval(polynomial_.origin()[axis]), h(half[axis]);
+        const Interval m = Interval(middle[axis]) -
+                           Interval(WATCHED("polynomial: the origin of linear forms", polynomial_.origin()[axis])),
+                       h(half[axis]);
         Power next{{}, Interval(0.0), Interval(0.0), 0};
         next.low.fill(Interval(0.0));
         next.low[0] = Interval(1.0);
@@ -142,9 +146,10 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
         others_ = std::numeric_limits<double>::infinity();
         return;
     }
-    rest_ += Interval(std::min(squares.inf(), 0.0), std::max(squares.sup(), 0.0));
+    if (WATCHED("linear form: even monomials beyond the sixth degree", true))
+        rest_ += Interval(std::min(squares.inf(), 0.0), std::max(squares.sup(), 0.0));
     const double least = std::max(std::max(squares.inf(), -squares.sup()), 0.0);  // lower bound on |squares|
-    others_ += everything - least;
+    others_ += WATCHED("linear form: monomials beyond the sixth degree", everything - least);
     products_ += 2 * n * n + 2 * half * half;
 }
 
@@ -175,14 +180,16 @@ LinearForm FormEvaluator::linear(const Box& box) {
         } else if (i + j + k == 1) {
             const double middle = 0.5 * x.inf() + 0.5 * x.sup();
             form.slope[i == 1 ? 0 : j == 1 ? 1 : 2] = middle;
-            others_ += magnitude(x - Interval(middle));
+            others_ += WATCHED("linear form: width of the slope", magnitude(x - Interval(middle)));
         } else if (i % 2 == 0 && j % 2 == 0 && k % 2 == 0) {
             rest_ += Interval(std::min(x.inf(), 0.0), std::max(x.sup(), 0.0));
         } else {
             others_ += magnitude(x);
         }
     });
-    form.rest = std::isfinite(others_) && finite(rest_) ? rest_ + Interval(-others_, others_) : unbounded();
+    form.rest = WATCHED_ELSE("linear form: sums that overflow", std::isfinite(others_) && finite(rest_), true)
+                    ? rest_ + Interval(-others_, others_)
+                    : unbounded();
     return form;
 }
 
@@ -202,7 +209,9 @@ Interval FormEvaluator::affine(const Vec3& middle, const Vec3& half) const {
         sum.e += product.e;
     }
     const double r = radius(sum);
-    return std::isfinite(r) && finite(sum.m) ? sum.m + Interval(-r, r) : unbounded();
+    return WATCHED_ELSE("affine form: sums that overflow", std::isfinite(r) && finite(sum.m), true)
+               ? sum.m + Interval(-r, r)
+               : unbounded();
 }
 
 Interval FormEvaluator::range(Form form, const Box& box) {

@@ -1,6 +1,7 @@
 #include "algorithms/kernel/parallel.h"
 
 #include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/watched.h"
 
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
@@ -41,7 +42,8 @@ const Interrupt* Stoppable::current() { return asked; }
 
 void Stoppable::look(const Interrupt* interrupt) {
     if (!interrupt) return;
-    const Stoppable nothing(nullptr);  // structures that the hook builds do not ask it again
+    // Structures that the hook builds do not ask it again.
+    const Stoppable nothing(WATCHED_ELSE("threads: structures that a hook builds ask it again", nullptr, asked));
     if (interrupt->stop_requested()) throw BuildingStopped();
 }
 
@@ -57,7 +59,7 @@ void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job,
         const int worker = workers.fetch_add(1, std::memory_order_relaxed);
         try {
             for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
-                Stoppable::look(interrupt);
+                if (WATCHED("threads: other blocks go on after a stop", true)) Stoppable::look(interrupt);
                 one(job, block, worker);
             }
         } catch (...) {

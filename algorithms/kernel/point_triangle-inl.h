@@ -4,6 +4,7 @@
 // Every target gives the same bits as the scalar function, because it performs the same operations in the same order,
 // without fused multiply-add and without approximate reciprocals.
 #include "algorithms/kernel/triangle_block.h"
+#include "algorithms/kernel/watched.h"
 
 #include <hwy/highway.h>
 
@@ -109,7 +110,8 @@ HWY_INLINE VFoot closest_point(const V3& p, const V3& a, const V3& b, const V3& 
 
     const V x_c = hn::Mul(dot(f, e), inverse_e);
     V3 h = f - x_c * e;
-    h = h - hn::Mul(dot(h, e), inverse_e) * e;
+    if (WATCHED("closest_point: the height is made orthogonal to the longest edge twice", true))
+        h = h - hn::Mul(dot(h, e), inverse_e) * e;
     const V y = hn::Div(dot(h, ap), dot(h, h));
     const V x = hn::Sub(hn::Mul(along_e, inverse_e), hn::Mul(y, x_c));
     const V3 q = (hn::Max(hn::Sub(hn::Sub(one, x), y), zero) * a + x * b) + y * c;

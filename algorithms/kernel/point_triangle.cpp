@@ -1,6 +1,7 @@
 #include "algorithms/kernel/point_triangle.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cmath>
 
@@ -46,7 +47,8 @@ TrianglePoint closest_point(const Vec3& p, const Triangle& triangle) {
     h = h - (dot(h, e) * inverse_e) * e;
     const double y = dot(h, ap) / squared_length(h);
     const double x = along_e * inverse_e - y * x_c;
-    if (x >= 0 && y >= 0 && x + y <= 1) offer((std::max((1 - x) - y, 0.0) * a + x * b) + y * c);
+    if (x >= 0 && y >= 0 && WATCHED_ELSE("closest_point: only feet inside the triangle", x + y <= 1, true))
+        offer((std::max((1 - x) - y, 0.0) * a + x * b) + y * c);
 
     const Box box = box_of(triangle);
     q = q.cwiseMax(box.low).cwiseMin(box.high) + Vec3::Zero();  // -0 becomes 0
@@ -60,9 +62,16 @@ double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, cons
     double best = 0;
     const auto try_direction = [&](const Vec3& n) {
         const double length = std::sqrt(squared_length(n));
-        if (!(length > 0x1p-450) || std::isinf(length)) return;
+        if (!(length > WATCHED("distance_certainly_at_least: normals whose length underflows", 0x1p-450)) ||
+            std::isinf(length))
+            return;
         const double least = std::min({dot(n, w[0]), dot(n, w[1]), dot(n, w[2])});
-        best = std::max(best, least / length - (9 * unit_roundoff * size + 0x1p-600));
+        best = std::max(
+            best, least / length - (WATCHED_ELSE("distance_certainly_at_least: a bound that is too large, replayed",
+                                                 WATCHED("distance_certainly_at_least: the rounding error",
+                                                         9 * unit_roundoff * size),
+                                                 -0.01 * size) +
+                                    WATCHED("distance_certainly_at_least: underflow", 0x1p-600)));
     };
     // Makes n orthogonal to an edge by subtracting its component along the edge. The second step removes the component
     // that rounding leaves in the first.

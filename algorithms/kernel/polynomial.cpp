@@ -1,6 +1,7 @@
 #include "algorithms/kernel/polynomial.h"
 
 #include "algorithms/error.h"
+#include "algorithms/kernel/watched.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +28,8 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 [[noreturn]] void refuse(std::string_view text, const std::string& what) {
     std::string message = fmt::format("polynomial '{}': {}", text, what);
     std::replace_if(
-        message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+        message.begin(), message.end(),
+        [](unsigned char c) { return WATCHED("polynomial: a message is one line", c < 0x20) || c == 0x7f; }, ' ');
     throw InputError(message);
 }
 
@@ -258,7 +260,7 @@ Polynomial Polynomial::of(const AlgebraicSurface& surface) {
         } catch (const InputError&) {  // too many terms or too large coefficients: keeps the origin 0
         }
     }
-    polynomial.normalise(surface.box);
+    if (WATCHED("polynomial: values whose squares overflow", true)) polynomial.normalise(surface.box);
     return polynomial;
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
+#include "algorithms/kernel/watched.h"
 
 #include <bit>
 #include <cmath>
@@ -65,7 +66,12 @@ inline double smallest_nonzero(const Points& points) {
 inline double distance_at_least(double squared, bool may_underflow) {
     const double f = std::sqrt(squared);
     if (f == 0) return 0;
-    const double low = next_down(f * (1 - 4 * unit_roundoff)) - (may_underflow ? 0x1p-500 : 0);
+    const double low =
+        WATCHED_ELSE(
+            "distance_at_least: the rounding of the product",
+            next_down(f * (1 - WATCHED("distance_at_least: the rounding error of the distance", 4 * unit_roundoff))),
+            f * (1 - 4 * unit_roundoff)) -
+        WATCHED("distance_at_least: underflow", may_underflow ? 0x1p-500 : 0);
     return low > 0 ? low : 0;
 }
 
@@ -73,8 +79,14 @@ inline double distance_at_least(double squared, bool may_underflow) {
 // `may_underflow`, see distance_at_least().
 inline double distance_at_most(double squared, bool may_underflow) {
     const double f = std::sqrt(squared);
-    const double high = f == 0 ? 0 : next_up(f * (1 + 4 * unit_roundoff));
-    return may_underflow ? next_up(high + 0x1p-500) : high;
+    const double high =
+        f == 0
+            ? 0
+            : WATCHED_ELSE(
+                  "distance_at_most: the rounding of the product",
+                  next_up(f * (1 + WATCHED("distance_at_most: the rounding error of the distance", 4 * unit_roundoff))),
+                  f * (1 + 4 * unit_roundoff));
+    return may_underflow ? WATCHED_ELSE("distance_at_most: underflow", next_up(high + 0x1p-500), high) : high;
 }
 
 // --- point to triangle, and subdivided triangles ---------------------------------------------------------------------
@@ -105,7 +117,13 @@ inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitu
 //     0.1u d < 0.4uM come from the eighth uM. Underflow uses at most a 2^-83 part of that uM.
 inline double surface_distance_at_most(double squared, double magnitude, int level) {
     if (magnitude == 0) return 0;
-    return distance_at_most(squared, false) + (8 + 2 * level) * unit_roundoff * magnitude;
+    return distance_at_most(squared, false) +
+           WATCHED_ELSE("surface_distance_at_most: the error of the closest point",
+                        (WATCHED_ELSE("surface_distance_at_most: underflow and the rounding of the sum",
+                                      WATCHED("surface_distance_at_most: the error of the kernel", 8), 7) +
+                         WATCHED("surface_distance_at_most: the error of the midpoints", 2 * level)) *
+                            unit_roundoff * magnitude,
+                        0);
 }
 
 // The level of a point that closest_point() returned for a triangle of A. A point of level k is within 2k * u * M of A,
@@ -118,7 +136,7 @@ inline constexpr int level_of_closest_point = 4;
 //   - In the second, the sum a + b errs by 2uM, and adding c by 3uM. A third of these 5uM, and uM for the division,
 //     make less than 3uM.
 // In length, this is at most sqrt(3) * 3uM < 6uM = 2 * 3uM, so level 3 is enough.
-inline constexpr int level_of_inner_point = 3;
+inline const int level_of_inner_point = WATCHED_ELSE("rounding: an inner point is off its piece", 3, 0);
 
 // Returns the point a + t * (b - a) of the edge ab, for 0 <= t <= 1.
 //
@@ -136,7 +154,7 @@ inline constexpr int level_of_long_edge = 5;
 // largest |coordinate| of b - a, or the largest one of several edges. Its rounding error, a factor of 1 - u, does not
 // matter, because the derivation at point_of_edge() has slack for it.
 inline int level_of_point_of_edge(double longest, double magnitude) {
-    return longest <= magnitude / 16 ? 1 : level_of_long_edge;
+    return longest <= magnitude / 16 ? 1 : WATCHED_ELSE("rounding: a point of a long edge", level_of_long_edge, 1);
 }
 
 // Returns an upper bound on the exact sum of two lengths f and g, given their computed sum. f is the distance to B of a
@@ -148,14 +166,28 @@ inline int level_of_point_of_edge(double longest, double magnitude) {
 // the rounding error of the product or the sum before it.
 inline double surface_sum_at_most(double sum, double magnitude, int level) {
     if (magnitude == 0) return 0;
-    return next_up(next_up(sum * (1 + 5 * unit_roundoff)) + (8 + 2 * level) * unit_roundoff * magnitude);
+    return WATCHED_ELSE(
+        "rounding: a sum of two lengths is rounded up",
+        next_up(
+            WATCHED_ELSE("rounding: the product in a sum of two lengths is rounded up",
+                         next_up(sum * (1 + WATCHED("rounding: a sum of two lengths is widened", 5 * unit_roundoff))),
+                         sum * (1 + 5 * unit_roundoff)) +
+            (WATCHED("rounding: a sum of two lengths is widened by uM", 8) +
+             WATCHED("rounding: a sum of two lengths is widened by its level", 2 * level)) *
+                unit_roundoff * magnitude),
+        next_up(sum * (1 + 5 * unit_roundoff)) + (8 + 2 * level) * unit_roundoff * magnitude);
 }
 
 // Returns a lower bound on the distance of an exact point of A from B. `certified` is a lower bound for the computed
 // point that stands for the exact one; the two are at most 2 * level * u * magnitude apart, where u is the unit
 // roundoff.
 inline double surface_distance_at_least(double certified, double magnitude, int level) {
-    const double low = level == 0 ? certified : next_down(certified - 2 * level * unit_roundoff * magnitude);
+    const double low =
+        level == 0 ? certified
+                   : WATCHED_ELSE("surface_distance_at_least: the rounding of the difference",
+                                  next_down(certified - WATCHED("surface_distance_at_least: the error of the midpoints",
+                                                                2 * level * unit_roundoff * magnitude)),
+                                  certified - 2 * level * unit_roundoff * magnitude);
     return low > 0 ? low : 0;
 }
 
@@ -175,7 +207,7 @@ inline Vec3 grid_point(const Vec3& a, const Vec3& b, const Vec3& c, std::int64_t
 
 // The level of a grid point. A point of level k is within 2k * u * M of A, where u is the unit roundoff and M the
 // largest |coordinate|. Grid points are within 7uM, so level 4 is enough.
-inline constexpr int level_of_grid_point = 4;
+inline const int level_of_grid_point = WATCHED_ELSE("grid: the rounding of its points", 4, 3);
 
 // Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, where L is the length of the longest
 // edge. Let c_i be the corners and p = sum w_i c_i, with weights w_i >= 0 that add up to 1. The smallest |c_i - p|^2 is
@@ -196,9 +228,12 @@ inline constexpr int level_of_grid_point = 4;
 // at_samples >= 8uM >= 2^-450. That is more than the 2^-536 by which L may be too small because of underflow.
 inline double grid_distance_at_most(double at_samples, double squared_edge, std::int64_t n) {
     if (at_samples == 0) return 0;
-    const double root_of_three = 0x1.bb67ae8584caap+0;
+    const double root_of_three = WATCHED_ELSE("grid: the factor of its radius", 0x1.bb67ae8584caap+0, 2);
     const double radius = std::sqrt(squared_edge) / (static_cast<double>(n) * root_of_three);
-    return next_up(at_samples + radius * (1 + 8 * unit_roundoff));
+    return WATCHED_ELSE(
+        "grid: the rounding of the sum",
+        next_up(at_samples + radius * (1 + WATCHED("grid: the rounding of its radius", 8 * unit_roundoff))),
+        at_samples + radius * (1 + 8 * unit_roundoff));
 }
 
 // Computes upper bounds on distances in one scene, whose largest |coordinate| is `magnitude`. If `certify` is false,

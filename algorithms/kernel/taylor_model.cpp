@@ -1,5 +1,7 @@
 #include "algorithms/kernel/taylor_model.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cmath>
 #include <limits>
 
@@ -76,7 +78,7 @@ Interval TaylorModel::range() const {
 // most_on_line(). If the coefficient of v^2 is the smaller one, u and v are exchanged. Terms of degree 3 and more are
 // bounded by their absolute values.
 double TaylorModel::at_most() const {
-    double higher = error;
+    double higher = WATCHED("Taylor model, maximum: error", error);
     for (std::size_t i = start(3); i < count; ++i) higher += std::abs(c[i]);
     const bool swap = c[5] < c[3];
     const double b = swap ? c[2] : c[1], other_b = swap ? c[1] : c[2];
@@ -88,7 +90,7 @@ double TaylorModel::at_most() const {
         const Interval square = Interval(other_a) + CGAL::square(Interval(h)) * quarter;
         most = std::min(most, (CGAL::square(Interval(b)) * quarter).sup() + most_on_line(linear, square));
     }
-    return c[0] + most + higher;
+    return c[0] + most + WATCHED_ELSE("Taylor model, maximum: higher degrees", higher, error);
 }
 
 TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
@@ -113,8 +115,12 @@ TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
         from += of_b[std::size_t(TaylorModel::order + 1 - i)];
         beyond += of_a[std::size_t(i)] * from;
     }
-    out.error =
-        all_a * b.error + all_b * a.error + a.error * b.error + beyond + 27 * epsilon * (all_a * all_b) + underflow;
+    out.error = WATCHED("Taylor model, product: error of b", all_a * b.error) +
+                WATCHED("Taylor model, product: error of a", all_b * a.error) +
+                WATCHED("Taylor model, product: both errors", a.error * b.error) +
+                WATCHED("Taylor model, product: degrees beyond the order", beyond) +
+                WATCHED("Taylor model, product: rounding", 27 * epsilon * (all_a * all_b)) +
+                WATCHED("Taylor model, product: underflow", underflow);
     return out;
 }
 
@@ -128,8 +134,9 @@ TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
     // Rounding a sum upward costs at most epsilon |exact sum| <= epsilon (1 + epsilon) |rounded sum|; the code uses 2
     // epsilon (epsilon is 2^-52). Sums do not underflow. A negative sum that overflows is rounded up to a finite
     // number, which nothing would notice, so models that large get an infinite error.
-    out.error =
-        rounded < 0x1p1000 ? a.error + b.error + 2 * epsilon * rounded : std::numeric_limits<double>::infinity();
+    out.error = rounded < 0x1p1000 ? WATCHED("Taylor model, sum: errors", a.error + b.error) +
+                                         WATCHED("Taylor model, sum: rounding", 2 * epsilon * rounded)
+                                   : std::numeric_limits<double>::infinity();
     return out;
 }
 
@@ -142,7 +149,8 @@ TaylorModel operator*(const TaylorModel& a, const Interval& factor) {
         size += std::abs(a.c[i]);
     }
     const double most = std::abs(middle);
-    out.error = (most + off) * a.error + (off + epsilon * most) * size + underflow;
+    out.error = WATCHED("Taylor model, factor: error", (most + off) * a.error) +
+                WATCHED("Taylor model, factor: its width and rounding", (off + epsilon * most) * size) + underflow;
     return out;
 }
 
@@ -151,7 +159,8 @@ ModelPowers::ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial&
         auto& powers = powers_[std::size_t(k)];
         powers.push_back(TaylorModel::variable(1, 0, 0));
         TaylorModel x = at[std::size_t(k)];
-        if (f.origin()[k] != 0) x = x + TaylorModel::variable(-f.origin()[k], 0, 0);
+        if (WATCHED("polynomial: the origin of Taylor models", f.origin()[k] != 0))
+            x = x + TaylorModel::variable(-f.origin()[k], 0, 0);
         for (int i = 1; i <= f.degree(k); ++i) {
             powers.push_back(i == 1                      ? x
                              : most < TaylorModel::order ? product(powers.back(), x, most)

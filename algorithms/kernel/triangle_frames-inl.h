@@ -4,6 +4,7 @@
 //
 // Results have the same bits on every target, because each performs the same operations, without fused multiply-add.
 #include "algorithms/kernel/triangle_frames.h"
+#include "algorithms/kernel/watched.h"
 
 #include <hwy/highway.h>
 
@@ -52,7 +53,8 @@ HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::
     };
     edge(frame_row::ac, frame_row::ac_length, x, true);
     edge(frame_row::bc, frame_row::bc_length, hn::Sub(x, length), false);
-    const auto inside = hn::And(hn::Ge(inner, zero), hn::Eq(beyond, zero));
+    const auto inside = WATCHED_ELSE("triangle frames: a point beyond the ends of the longest edge is outside",
+                                     hn::And(hn::Ge(inner, zero), hn::Eq(beyond, zero)), hn::Ge(inner, zero));
     return hn::Add(hn::IfThenZeroElse(inside, squared), hn::Mul(z, z));
 }
 

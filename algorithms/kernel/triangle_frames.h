@@ -64,6 +64,7 @@
 
 #include "algorithms/kernel/geometry.h"
 #include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cstddef>
 
@@ -86,7 +87,8 @@ inline constexpr std::size_t count = 19;
 // point from the origin.
 template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 256;
 template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
-template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
+template <class T>
+inline const double frame_underflow = WATCHED("triangle frames: underflow", sizeof(T) == 4 ? 0x1p-60 : 0x1p-500);
 
 // Underflow could spoil the frames of smaller triangles. A triangle whose longest edge is at most this long is treated
 // as a point, and a triangle whose height is at most twice this is replaced with its longest edge.

@@ -29,10 +29,10 @@ inline bool switched_off(std::string_view name) {
 }  // namespace hausbench
 
 // The lambda asks once for each place in the code.
-#define HAUSBENCH_SWITCHED_OFF(name)                             \
-    ([]() -> bool {                                              \
-        static const bool off = ::hausbench::switched_off(name); \
-        return off;                                              \
+#define HAUSBENCH_SWITCHED_OFF(name)                                  \
+    ([]() -> bool {                                                   \
+        static const bool off_here = ::hausbench::switched_off(name); \
+        return off_here;                                              \
     }())
 #define WATCHED(name, ...) (HAUSBENCH_SWITCHED_OFF(name) ? std::decay_t<decltype(__VA_ARGS__)>{} : (__VA_ARGS__))
 #define WATCHED_ELSE(name, value, without) (HAUSBENCH_SWITCHED_OFF(name) ? (without) : (value))

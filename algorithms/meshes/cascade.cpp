@@ -1,5 +1,6 @@
 #include "algorithms/meshes/cascade.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -29,7 +30,8 @@ struct CascadePiece {
 // Returns the number of splits that max_factor allows: triangles of A and pieces together may be max_factor times the
 // triangles of A. A split makes four pieces, or two if it halves the longest edge.
 std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
-    const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
+    const double pieces = (cascade.max_factor - WATCHED("cascade: max_factor counts the triangles of A", 1)) *
+                          static_cast<double>(triangles);
     const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
     return most < 0x1p63 ? static_cast<std::uint64_t>(most) : std::numeric_limits<std::uint64_t>::max();
 }
@@ -48,7 +50,7 @@ public:
           cascade_(cascade),
           most_levels_(most_levels(cascade.split)),
           factor_budget_(subdivisions_of(cascade, a_.triangles.rows())),
-          query_(with_budget(query, factor_budget_)),
+          query_(WATCHED_ELSE("cascade: max_factor ends a search", with_budget(query, factor_budget_), query)),
           elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           last_bound_(elements_ ? static_cast<std::size_t>(a_.triangles.rows()) : 0),
           stages_(query.wanted.stages),
@@ -121,11 +123,12 @@ double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     const double three = pieces_.nearest_triangles(piece.corners, piece.level);
     if (three <= bounds_.purged_at_most(piece.level)) return three;
     const PieceArgument of_three = pieces_.argument();
-    const MeasuredPoint centre = bounds_.measure(barycentre(piece.corners), piece.corners[0].triangle, piece.source,
-                                                 piece.level + level_of_inner_point);
+    const MeasuredPoint centre =
+        bounds_.measure(barycentre(piece.corners), piece.corners[0].triangle, piece.source,
+                        piece.level + WATCHED("cascade: a barycentre is off its piece", level_of_inner_point));
     const double fourth = pieces_.nearest_triangles(piece.corners, piece.level, centre.triangle);
     if (fourth < three) return fourth;
-    pieces_.restore(of_three);
+    if (WATCHED("proofs: the triangle of Zheng's bound", true)) pieces_.restore(of_three);
     return three;
 }
 
@@ -144,7 +147,8 @@ bool CascadeSearch::bound(CascadePiece& piece) {
     for (const PieceBound which : cascade_.order) {
         if (lower(bound(which, piece), static_cast<double>(which))) return true;
     }
-    const double tied = pieces_.tied_triangle(piece.corners, piece.level);
+    const double tied = WATCHED_ELSE("cascade: ties are looked at", pieces_.tied_triangle(piece.corners, piece.level),
+                                     std::numeric_limits<double>::infinity());
     return tied < std::numeric_limits<double>::infinity() && lower(tied, 0);
 }
 

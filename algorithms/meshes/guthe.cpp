@@ -39,6 +39,7 @@
 //
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on well-behaved data, for n
 // triangles of A and m of B. Memory: O(n + m), and 168 bytes per piece in the queue.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -93,9 +94,12 @@ public:
 
     Result run() {
         Result result = search();
-        vertices_.remember();
+        if (WATCHED("guthe: the state is kept up to date", true)) vertices_.remember();
         if (elements_) {
-            queue_.for_each([&](const GuthePiece& piece) { elements_->settle(piece.upper, piece.source); });
+            queue_.for_each([&](const GuthePiece& piece) {
+                if (WATCHED("fields: what is left in the queue counts", true))
+                    elements_->settle(piece.upper, piece.source);
+            });
             result.fields = bounds_.fields();
         }
         result.reported = stages_.seconds();
@@ -146,7 +150,7 @@ void GutheSearch::push_triangles() {
                 piece.best = corner.triangle;
             }
         }
-        piece.upper = bounds_.at_most(least, 0);
+        piece.upper = WATCHED_ELSE("guthe: a triangle's bound is widened", bounds_.at_most(least, 0), std::sqrt(least));
         if (proofs_) proofs_->one(piece.node, piece.upper, piece.best);
         push(piece);
     }
@@ -184,7 +188,9 @@ PointBlock block_of(const Cut<MeasuredPoint>& cut) {
 void GutheSearch::split(const GuthePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
-    if (elements_) elements_->subdivided(piece.source, level);
+    if (elements_)
+        elements_->subdivided(piece.source,
+                              WATCHED_ELSE("fields: the level is that of the pieces", level, piece.level));
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
@@ -212,7 +218,10 @@ void GutheSearch::split(const GuthePiece& piece) {
         }
     }
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const double own = bounds_.at_most(least[c], level);
+        const double own =
+            WATCHED_ELSE("guthe: a piece's bound is widened",
+                         bounds_.at_most(least[c], WATCHED("guthe: a piece's bound is widened by its level", level)),
+                         std::sqrt(least[c]));
         const PieceProofs::Node node = first + static_cast<PieceProofs::Node>(c);
         if (proofs_) proofs_->one(node, own, best[c]);
         push({cut.corners(c), std::min(piece.upper, own), piece.source, best[c], level, node});
@@ -249,7 +258,9 @@ private:
           choices_{textbook, options.flag("certify"), split_of(options)} {}
 
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        Result result = GutheSearch(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
+        Result result = GutheSearch(pair, query, WATCHED("guthe: the state is used", static_cast<WarmStart*>(state)),
+                                    trace, choices_)
+                            .run();
         if (query.wanted.certificate && !certified())
             result.why_no_certificate =
                 "with kernel = textbook or certify = false its bounds account for no rounding, so there is nothing to "

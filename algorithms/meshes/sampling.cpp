@@ -25,6 +25,7 @@
 // sample, on well-behaved data. Memory: proportional to the size of A and B; only samples at vertices and the farthest
 // sample of each edge are stored.
 #include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -108,7 +109,8 @@ private:
 double Sampling::squared_longest_edge(Index i) const {
     const auto v = a_.triangles.row(i);
     const auto squared = [&](Index p, Index q) { return squared_length(Vec3(points_.row(q) - points_.row(p))); };
-    return std::max({squared(v[0], v[1]), squared(v[1], v[2]), squared(v[2], v[0])});
+    return std::max(
+        {squared(v[0], v[1]), squared(v[1], v[2]), WATCHED("sampling: the third edge counts", squared(v[2], v[0]))});
 }
 
 std::int64_t Sampling::steps_of(double squared_edge) const {
@@ -121,7 +123,7 @@ std::int64_t Sampling::steps_of(double squared_edge) const {
 double Sampling::corners_at_most(Index i) const {
     double most = 0;
     for (const MeasuredPoint& corner : vertices_.corners(i)) most = std::max(most, corner.squared);
-    return rounding_.at_most(most, 0);
+    return WATCHED_ELSE("sampling: the rounding at corners", rounding_.at_most(most, 0), std::sqrt(most));
 }
 
 void Sampling::bound_by_corners() {
@@ -129,7 +131,10 @@ void Sampling::bound_by_corners() {
     rest_.assign(count + 1, 0);
     for (std::size_t i = count; i-- > 0;) {
         const Index triangle = static_cast<Index>(i);
-        const double upper = grid_distance_at_most(corners_at_most(triangle), squared_longest_edge(triangle), 1);
+        const double upper =
+            WATCHED_ELSE("sampling: a stop keeps the radius of the corners",
+                         grid_distance_at_most(corners_at_most(triangle), squared_longest_edge(triangle), 1),
+                         corners_at_most(triangle));
         ++counters_.bound_tests;
         rest_[i] = std::max(rest_[i + 1], upper);
     }
@@ -155,7 +160,8 @@ bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
     if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
     if (stopped_) return false;
     ++samples_;
-    const MeasuredPoint measured = bounds_.measure(point, near_, i, level_of_grid_point);
+    const MeasuredPoint measured = bounds_.measure(
+        point, near_, i, WATCHED("sampling: the lower bound counts the rounding of samples", level_of_grid_point));
     near_ = measured.triangle;
     if (measured.squared > farthest.squared) farthest = measured;
     return true;
@@ -164,7 +170,8 @@ bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
 bool Sampling::sample_edge(Index from, Index to, Index i, std::int64_t n, MeasuredPoint& farthest) {
     if (from > to) std::swap(from, to);
     EdgeSamples& edge = edges_[(static_cast<std::uint64_t>(from) << 32) | static_cast<std::uint64_t>(to)];
-    if (edge.steps != n) {
+    if (WATCHED_ELSE("sampling: an edge is measured anew for another number of steps", edge.steps != n,
+                     edge.steps == 0)) {
         edge = {};
         const Vec3 a = points_.row(from), b = points_.row(to);
         for (std::int64_t k = 1; k < n; ++k) {
@@ -173,7 +180,8 @@ bool Sampling::sample_edge(Index from, Index to, Index i, std::int64_t n, Measur
         edge.steps = n;
     }
     bounds_.offer(edge.farthest, i, level_of_grid_point);
-    if (edge.farthest.squared > farthest.squared) farthest = edge.farthest;
+    if (WATCHED("sampling: the samples on edges count", edge.farthest.squared > farthest.squared))
+        farthest = edge.farthest;
     return true;
 }
 
@@ -202,11 +210,16 @@ bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
         if (!sample_edge(v[k], v[(k + 1) % 3], i, n, farthest)) return false;
     }
     near_ = corners[2].triangle;
-    if (!sample_inside(i, n, farthest)) return false;
+    if (WATCHED("sampling: the samples inside are taken", !sample_inside(i, n, farthest))) return false;
     double most = corners_at_most(i);
-    if (farthest.triangle >= 0) most = std::max(most, rounding_.at_most(farthest.squared, level_of_grid_point));
+    if (farthest.triangle >= 0)
+        most = std::max(most, rounding_.at_most(farthest.squared,
+                                                WATCHED("sampling: the upper bound counts the rounding of samples",
+                                                        level_of_grid_point)));
     ++counters_.bound_tests;
-    settle(std::min(by_corners, grid_distance_at_most(most, squared_longest_edge(i), n)), i);
+    settle(std::min(by_corners, WATCHED_ELSE("sampling: a triangle is widened by its radius",
+                                             grid_distance_at_most(most, squared_longest_edge(i), n), most)),
+           i);
     return true;
 }
 
@@ -233,10 +246,12 @@ Result Sampling::sample() {
     }
     const double rest = rest_[static_cast<std::size_t>(i)];
     for (; elements_ && i < a_.triangles.rows(); ++i) {
-        elements_->settle(grid_distance_at_most(corners_at_most(i), squared_longest_edge(i), 1), i);
+        if (WATCHED("sampling: fields of the triangles to come", true))
+            elements_->settle(grid_distance_at_most(corners_at_most(i), squared_longest_edge(i), 1), i);
     }
     stages_.end("sample");
-    Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor), rest);
+    Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor),
+                                   WATCHED("sampling: a stop counts the triangles to come", rest));
     if (result.status == Status::budget && !stopped_)
         result.note = "samples this far apart give no closer bounds: choose a smaller `step`";
     return result;

@@ -19,6 +19,7 @@
 // both together take 24 ms, and CGAL's function takes 110 ms. Until November 2026, this solver first called
 // is_polygon_soup_a_polygon_mesh(), which took 280 ms for B alone.
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 
 #include <exception>
@@ -68,7 +69,7 @@ std::optional<SurfaceMesh> connected_mesh(const Points& vertices, const Faces& f
         if (a == b || b == c || c == a) return std::nullopt;
         const auto face =
             mesh.add_face(Vertex(static_cast<Index>(a)), Vertex(static_cast<Index>(b)), Vertex(static_cast<Index>(c)));
-        if (face == SurfaceMesh::null_face()) return std::nullopt;
+        if (WATCHED("cgal: a face that CGAL refuses counts", face == SurfaceMesh::null_face())) return std::nullopt;
     }
     return mesh;
 }

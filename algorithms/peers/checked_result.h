@@ -1,6 +1,7 @@
 // Derives certified bounds from the nearest-point searches of a library that gives no guarantee.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/exact.h"
 
 namespace hausbench {
@@ -18,13 +19,15 @@ inline Result checked_result(const Query& query, const Points& a, const Points& 
         farthest.squared = std::numeric_limits<double>::infinity();
         for (Index j = 0; j < b.rows(); ++j) {
             const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
-            if (squared < farthest.squared) {
+            if (WATCHED_ELSE("peers for point sets: the lower bound, compared with all of B again",
+                             squared < farthest.squared, squared == found)) {
                 farthest.squared = squared;
                 farthest.target = j;
             }
         }
         counters.point_distances += static_cast<std::uint64_t>(b.rows());
-        rest = std::max(rest, found);
+        if (WATCHED("peers for point sets: the largest distance that searches found, in the upper bound", true))
+            rest = std::max(rest, found);
     }
     return exact_result(query, a, b, farthest, counters, rest, stopped);
 }

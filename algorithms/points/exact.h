@@ -6,6 +6,7 @@
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 
 namespace hausbench {
@@ -41,8 +42,10 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
     result.counters = counters;
-    result.bounds.lower = distance_at_least(std::max(farthest.squared, 0.0), tiny);
-    result.bounds.upper = distance_at_most(std::max({farthest.squared, rest, 0.0}), tiny);
+    result.bounds.lower = distance_at_least(std::max(farthest.squared, 0.0),
+                                            WATCHED("exact point solvers: underflow in the lower bound", tiny));
+    result.bounds.upper = distance_at_most(std::max({farthest.squared, rest, 0.0}),
+                                           WATCHED("exact point solvers: underflow in the upper bound", tiny));
     if (farthest.source >= 0) {
         result.witness = {a.row(farthest.source), b.row(farthest.target), farthest.source, farthest.target};
     }

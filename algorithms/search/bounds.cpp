@@ -1,5 +1,7 @@
 #include "algorithms/search/bounds.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cmath>
 
 namespace hausbench {
@@ -8,9 +10,16 @@ namespace hausbench {
 // Target::certified_distance() proves a bound for the computed point. Rounding may have moved this point off A by up to
 // 2 * level * uM, which is subtracted; u = 2^-53, and M is the largest |coordinate| (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
-    if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
+    if (!WATCHED("search: the witness is certified", rounding_.certify) || farthest.source < 0)
+        return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
-    return surface_distance_at_least(distance, rounding_.magnitude, farthest.level);
+    return surface_distance_at_least(
+        distance, rounding_.magnitude,
+        WATCHED_ELSE(
+            "search: the witness of a piece is widened by its level",
+            WATCHED_ELSE("search: the witness of a piece is widened by its level, in guthe",
+                         WATCHED("fields: the lower bound of a triangle is widened by the level", farthest.level), 0),
+            0));
 }
 
 double SearchBounds::certified_lower() {
@@ -26,15 +35,23 @@ void SearchBounds::show(double upper) {
 
 std::optional<Status> SearchBounds::answered(double queued) {
     while (true) {
-        const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
+        const double high = std::max(WATCHED("search: what is settled counts for the end", settled_),
+                                     WATCHED("search: what is queued counts for the end", queued));
+        const double low = std::max(
+            std::sqrt(farthest_squared()) - WATCHED("search: what certifying costs, while the search goes on", loss_),
+            0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
         show(high);
         // Certification costs a query, so it comes last: when the uncertified bounds seem to answer the query, or when
         // splitting cannot lower the upper bound any more.
-        const std::optional<Status> seems = query_.answer(low, high);
-        const bool done = queued <= settled_;
+        const std::optional<Status> seems =
+            query_.answer(low, WATCHED_ELSE("search: a hidden length", high, high - 1e-7));
+        const bool done = WATCHED("search: the end when splitting changes nothing", queued <= settled_);
         if (seems || done) {
-            if (const auto answer = query_.answer(certified_lower(), high)) return answer;
+            if (const auto answer = query_.answer(
+                    WATCHED_ELSE("search: an answer rests on the certified lower bound", certified_lower(), low),
+                    WATCHED_ELSE("search: a hidden length", high, high - 1e-7)))
+                return answer;
         }
         if (seems != Status::converged && !done) return std::nullopt;
         if (!seems) return Status::precision_floor;
@@ -55,7 +72,9 @@ std::optional<Status> SearchBounds::end(double queued, std::uint64_t spent) {
 Result SearchBounds::result(Status status, double queued) {
     Result result;
     const double lower = certified_lower();
-    result.bounds = {lower, std::max({settled_, queued, lower})};
+    result.bounds = {lower, std::max({WATCHED("search: the result has the bound of what is settled", settled_),
+                                      WATCHED("search: the result has the bound of what is queued", queued),
+                                      WATCHED("search: upper is never below lower", lower)})};
     if (farthest_.source >= 0) {
         const MeasuredPoint& far = farthest_.point;
         const ClosestPoint nearest = target_.closest(far.point, far.triangle, counters_);
@@ -75,10 +94,19 @@ Result SearchBounds::result_without_bounds(const Triangles& triangles, const Poi
     const auto squared = [&](Index v) { return squared_length(Vec3(vertices.row(v)) - point); };
     double most = 0;
     for (Index v = 0; v < vertices.rows(); ++v) most = std::max(most, squared(v));
-    settled_ = rounding_.at_most(most, 0);
-    for (Index i = 0; elements_ && i < triangles.rows(); ++i) {
+    settled_ =
+        WATCHED_ELSE("search: the bound when there is no time is widened", rounding_.at_most(most, 0), std::sqrt(most));
+    for (Index i = 0; WATCHED("fields: each triangle has a bound without time", elements_) && i < triangles.rows();
+         ++i) {
         const auto v = triangles.row(i);
-        elements_->settle(rounding_.at_most(std::max({squared(v[0]), squared(v[1]), squared(v[2])}), 0), i);
+        elements_->settle(
+            WATCHED_ELSE(
+                "fields: the bounds without time are widened",
+                rounding_.at_most(std::max({squared(v[0]), squared(v[1]),
+                                            WATCHED("fields: each corner counts without time", squared(v[2]))}),
+                                  0),
+                std::sqrt(std::max({squared(v[0]), squared(v[1]), squared(v[2])}))),
+            i);
     }
     return result(Status::time_limit, 0);
 }
@@ -87,7 +115,10 @@ Fields SearchBounds::fields() const {
     std::vector<double> lower;
     lower.reserve(elements_->farthest.size());
     Counters uncounted;
-    for (const Farthest& farthest : elements_->farthest) lower.push_back(lower_of(farthest, uncounted));
+    for (const Farthest& farthest : elements_->farthest) {
+        lower.push_back(WATCHED_ELSE("fields: the lower bound of a triangle is certified",
+                                     lower_of(farthest, uncounted), std::sqrt(std::max(farthest.point.squared, 0.0))));
+    }
     return {{"lower", Field::Of::elements, Field::Meaning::lower, std::move(lower)},
             {"upper", Field::Of::elements, Field::Meaning::upper, elements_->upper},
             {"level", Field::Of::elements, Field::Meaning::number, elements_->deepest}};

@@ -14,6 +14,7 @@
 
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/target.h"
 #include "algorithms/solver.h"
@@ -46,10 +47,12 @@ public:
     // tells how far rounding may have moved the point off A: 0 for a vertex of A, k for a corner of a piece after k
     // subdivisions (kernel/rounding.h).
     void offer(const MeasuredPoint& point, Index source, int level) {
-        if (elements_) elements_->offer(point, source, level);
+        if (elements_ && WATCHED_ELSE("fields: a point that is not the farthest of all counts for its triangle", true,
+                                      point.squared > farthest_.point.squared))
+            elements_->offer(point, source, level);
         if (!(point.squared > farthest_.point.squared)) return;
         farthest_ = {point, source, level};
-        certified_ = -1;
+        if (WATCHED("search: a farther point is certified anew", true)) certified_ = -1;
     }
 
     // Computes the distance from a point of A to B, passes it to offer(), and returns it. `warm` is a triangle of B to
@@ -79,7 +82,9 @@ public:
     // far plus the rounding error of this level. If the floor of the query is larger, returns the floor, because
     // distances below it do not matter.
     double purged_at_most(int level) const {
-        return std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
+        return std::max(rounding_.at_most(farthest_squared(),
+                                          WATCHED("search: what settles a piece is widened by its level", level)),
+                        WATCHED("search: what is below the floor is settled", query_.floor));
     }
 
     // Returns true and keeps the upper bound if a piece of triangle `source` needs no further cuts: the bound is at
@@ -87,8 +92,10 @@ public:
     // returns false.
     bool settle(double upper, Index source, int level, int most_levels) {
         if (upper > purged_at_most(level) && level < most_levels) return false;
-        settled_ = std::max(settled_, upper);
-        if (elements_) elements_->settle(upper, source);
+        settled_ =
+            std::max(settled_, WATCHED_ELSE("search: what is settled keeps its bound",
+                                            WATCHED("search: what is settled keeps its bound, in guthe", upper), 0.0));
+        if (WATCHED("fields: what is settled counts for its triangle", elements_)) elements_->settle(upper, source);
         return true;
     }
 
@@ -132,7 +139,10 @@ public:
     Fields fields() const;
 
 private:
-    double farthest_squared() const { return std::max(farthest_.point.squared, 0.0); }
+    double farthest_squared() const {
+        return WATCHED_ELSE("search: nothing is settled before a point was measured",
+                            std::max(farthest_.point.squared, 0.0), farthest_.point.squared);
+    }
     double lower_of(const Farthest& farthest, Counters& counters) const;
 
     const Query& query_;

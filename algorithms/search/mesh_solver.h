@@ -3,6 +3,7 @@
 
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/cut_options.h"
 #include "algorithms/search/target.h"
 #include "algorithms/solver.h"
@@ -59,7 +60,8 @@ public:
         const bool moved = !query.source_pose.is_identity();
         const Points after = moved ? posed(source_->vertices, query.source_pose) : Points();
         const Points& points = moved ? after : source_->vertices;
-        const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        const double most = std::max(WATCHED("mesh solvers: the coordinates of A count", magnitude(points)),
+                                     WATCHED("mesh solvers: the coordinates of B count", magnitude(target_->vertices)));
         // Outside this range the rounding errors are not bounded, so the result is `stalled`, with the bounds 0 and
         // infinity.
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};

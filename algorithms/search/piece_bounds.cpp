@@ -1,5 +1,7 @@
 #include "algorithms/search/piece_bounds.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -76,7 +78,8 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
         // The plane does not cut this edge. If p = q, it cuts no edge, so zero_on_edge() never divides 0 by 0.
         if ((nearer[i] > 0) == (nearer[j] > 0)) continue;
         const Vec3 cut = zero_on_edge(v[i], v[j], nearer[i], nearer[j]);
-        most = std::max({most, squared_length(cut - p), squared_length(cut - q)});
+        if (WATCHED("pieces: the cuts count in u4", true))
+            most = std::max({most, squared_length(cut - p), squared_length(cut - q)});
     }
     return most;
 }
@@ -111,17 +114,23 @@ double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());
     const auto [z, y, x] = edges;
-    const double twice = ((y + z) - x) + 24 * unit_roundoff * x;
-    if (!(twice > 0)) return 0.5 * std::sqrt(x) * (1 + 16 * unit_roundoff);
+    const double twice =
+        ((y + z) - x) + WATCHED("pieces: the cosine of a covering radius is widened", 24 * unit_roundoff * x);
+    if (!(twice > 0))
+        return 0.5 * std::sqrt(x) * (1 + WATCHED("pieces: half of the longest edge is widened", 16 * unit_roundoff));
     const double cosine = twice / (2 * (std::sqrt(y) * std::sqrt(z)));
-    const double square = std::min(cosine * cosine, 0.25);
-    return std::sqrt(x) / (2 * std::sqrt(1 - square)) * (1 + 16 * unit_roundoff);
+    const double square =
+        std::min(cosine * cosine, WATCHED_ELSE("pieces: a largest angle has 60 degrees or more", 0.25, 0.2));
+    return std::sqrt(x) / (2 * std::sqrt(1 - square)) *
+           (1 + WATCHED("pieces: a circumradius is widened", 16 * unit_roundoff));
 }
 
 double PieceBounds::same_triangle(const PieceCorners& v, int level) {
     const bool same = v[0].triangle == v[1].triangle && v[0].triangle == v[2].triangle;
     by_one(v[0].triangle);
-    return same ? at_most(largest_squared(v), level) : infinity;
+    return same ? WATCHED_ELSE("pieces: the exact case is widened", at_most(largest_squared(v), level),
+                               std::sqrt(largest_squared(v)))
+                : infinity;
 }
 
 // `slack` allows for the rounding of the two distances that are compared. It cannot make the result wrong: the distance
@@ -138,11 +147,15 @@ double PieceBounds::tied_triangle(const PieceCorners& v, int level) {
             if (v[j].triangle == v[i].triangle) continue;
             ++counters_.point_triangle_distances;
             const double squared = target_.squared_distance(v[j].point, near);
-            all = std::sqrt(squared) <= std::sqrt(v[j].squared) + slack;
-            most = std::max(most, squared);
+            all = WATCHED_ELSE("pieces: only a triangle as near as any is a tie",
+                               std::sqrt(squared) <= std::sqrt(v[j].squared) + slack, true);
+            most = std::max(most, WATCHED("pieces: a tie counts all corners", squared));
         }
         by_one(v[i].triangle);
-        if (all) return at_most(std::max(most, largest_squared(v)), level);
+        if (all) {
+            return WATCHED_ELSE("pieces: a tie is widened", at_most(std::max(most, largest_squared(v)), level),
+                                std::sqrt(std::max(most, largest_squared(v))));
+        }
     }
     return infinity;
 }
@@ -152,21 +165,27 @@ double PieceBounds::u1(const PieceCorners& v, int level) {
     const auto edges = squared_edges(points_of(v));
     double least = infinity;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double edge = std::max(edges[(i + 1) % 3], edges[(i + 2) % 3]);
+        const double edge =
+            std::max(edges[(i + 1) % 3], WATCHED("pieces: u1 takes the longest edge at a corner", edges[(i + 2) % 3]));
         const double sum = std::sqrt(edge) + std::sqrt(v[i].squared);
         if (sum < least) {
             least = sum;
-            by_one(v[i].triangle);
+            by_one(v[WATCHED("proofs: the triangle of u1", i)].triangle);
         }
     }
-    return surface_sum_at_most(least, magnitude_, level);
+    return WATCHED_ELSE("pieces: u1 is widened", surface_sum_at_most(least, magnitude_, level), least);
 }
 
 double PieceBounds::u2(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     argument_.kind = PieceArgument::Kind::nearest_corner;
     const double radius = covering_radius_at_most(points_of(v));
-    return surface_sum_at_most(radius + std::sqrt(largest_squared(v)), magnitude_, level);
+    return WATCHED_ELSE(
+        "pieces: u2 is widened",
+        surface_sum_at_most(radius + std::sqrt(WATCHED_ELSE("pieces: u2 takes the largest distance of a corner",
+                                                            largest_squared(v), v[0].squared)),
+                            magnitude_, level),
+        radius + std::sqrt(largest_squared(v)));
 }
 
 BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle) {
@@ -200,8 +219,10 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
         argument_.ends = {s, s2, s3};
     }
     const BlockFeet to_one = distances(cuts, 2, one.triangle), to_two = distances(cuts, 2, two.triangle);
-    return std::max({largest_squared(v), to_one.squared_distance[0], to_one.squared_distance[1],
-                     to_two.squared_distance[0], to_two.squared_distance[1]});
+    return std::max({largest_squared(v),
+                     WATCHED("pieces: the first cut counts against the first triangle", to_one.squared_distance[0]),
+                     to_one.squared_distance[1], to_two.squared_distance[0],
+                     WATCHED("pieces: the second cut counts against the second triangle", to_two.squared_distance[1])});
 }
 
 // Cuts the piece into three cells, one for each corner: the quadrilateral of the corner, the midpoints of its two edges
@@ -223,7 +244,9 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) 
             whole = of_whole;
             near = v[i].triangle;
         }
-        most = std::max({most, squared[i], squared[3 + (i + 1) % 3], squared[3 + (i + 2) % 3], squared[6]});
+        most = std::max({most, squared[i], squared[3 + (i + 1) % 3],
+                         WATCHED("pieces: the midpoints count in u3", squared[3 + (i + 2) % 3]),
+                         WATCHED("pieces: the barycentre counts in u3", squared[6])});
     }
     return most;
 }
@@ -237,11 +260,16 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
         if (others != v[(alone + 2) % 3].triangle) continue;
         if (others == v[alone].triangle) return same_triangle(v, level);
         const double two = in_two(v, alone);
-        if (two < infinity) return at_most(two, level + level_of_inner_point);
+        if (two < infinity)
+            return at_most(two, level + WATCHED("pieces: a piece in two parts is widened by what its cuts are off",
+                                                level_of_inner_point));
     }
     double whole = infinity;
     Index near = -1;
-    const double three = at_most(in_three(v, whole, near), level + level_of_inner_point), one = at_most(whole, level);
+    const double three = at_most(
+        in_three(v, whole, near),
+        level + WATCHED("pieces: a piece in three parts is widened by what its cuts are off", level_of_inner_point));
+    const double one = at_most(whole, level);
     if (one < three)
         by_one(near);
     else
@@ -271,12 +299,13 @@ double PieceBounds::u4(const PieceCorners& v, int level) {
         argument_.nearer = nearer;
         argument_.feet = {shortest, other};
     }
-    return at_most(squared, level + level_of_inner_point);
+    return at_most(squared, level + WATCHED("pieces: u4 is widened by what its cuts are off", level_of_inner_point));
 }
 
 double PieceBounds::squared_to_triangle(const PieceCorners& v, Index triangle) {
     const BlockFeet feet = distances({v[0].point, v[1].point, v[2].point}, 3, triangle);
-    return std::max({feet.squared_distance[0], feet.squared_distance[1], feet.squared_distance[2]});
+    return std::max({feet.squared_distance[0], feet.squared_distance[1],
+                     WATCHED("pieces: each corner counts in a distance to one triangle", feet.squared_distance[2])});
 }
 
 double PieceBounds::nearest_triangles(const PieceCorners& v, int level, Index fourth) {

@@ -1,5 +1,7 @@
 #include "algorithms/search/piece_cells.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -80,7 +82,8 @@ void write_nearest(CertificateTree& tree, const Polygon& polygon, const std::vec
     if (!chord) return write_nearest(tree, polygon, nearer[0] > 0 ? without_b : without_a);
     write(tree, *chord);
     const Halves halves = cut(polygon, *chord);
-    write_nearest(tree, halves.positive, without_b);
+    write_nearest(tree, halves.positive,
+                  WATCHED_ELSE("proofs: the cells of the points nearest to a corner", without_b, without_a));
     write_nearest(tree, halves.other, without_a);
 }
 
@@ -101,8 +104,11 @@ void write_nearest_corner(CertificateTree& tree, const PieceCorners& v, PieceTur
 void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& v, PieceTurn turn) {
     const auto& [at_corner, at_next, at_last] = argument.ends;
     tree.cut(CutPoint::along(turn.place(argument.alone), zero_between(at_corner, at_next)),
-             CutPoint::back(turn.place(argument.alone + 2), zero_between(at_corner, at_last)));
-    tree.one(v[(argument.alone + 1) % 3].triangle);
+             WATCHED_ELSE("proofs: a corner that is cut off", CutPoint::back, CutPoint::along)(
+                 turn.place(argument.alone + 2), zero_between(at_corner, at_last)));
+    tree.one(v[WATCHED_ELSE("proofs: the two triangles of a corner that is cut off", (argument.alone + 1) % 3,
+                            argument.alone)]
+                 .triangle);
     tree.one(v[argument.alone].triangle);
 }
 
@@ -116,7 +122,7 @@ void write_three(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
     tree.one(v[1].triangle);
     // Cuts the second child, whose corners are corner 2, corner 0 and the midpoint of edge 01.
     tree.cut(CutPoint::along(0, 0.5), CutPoint::along(2, third));
-    tree.one(v[0].triangle);
+    tree.one(v[WATCHED_ELSE("proofs: three quadrilaterals", 0, 1)].triangle);
     tree.one(v[2].triangle);
 }
 
@@ -127,8 +133,8 @@ void write_nearest_foot(CertificateTree& tree, const PieceArgument& argument, co
     const auto chord = chord_of(nearer);
     if (!chord) return tree.one(nearer[0] > 0 ? second : first);
     write(tree, *chord);
-    tree.one(second);
-    tree.one(first);
+    tree.one(WATCHED_ELSE("proofs: the cells of two closest points", second, first));
+    tree.one(WATCHED_ELSE("proofs: the cells of two closest points", first, second));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "algorithms/search/piece_proofs.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <optional>
 
@@ -50,7 +52,9 @@ constexpr std::array<std::uint8_t, 4> turns_of_four = {1, 1, 1, 2};
 constexpr std::array<std::uint8_t, 2> turns_of_two = {0, 2};
 
 std::uint8_t turn_of(Split split, std::size_t part) {
-    return split == Split::midpoint ? turns_of_four[part] : turns_of_two[part];
+    return split == Split::midpoint
+               ? WATCHED_ELSE("proofs: how the corners of four parts stand", turns_of_four[part], turns_of_four[0])
+               : WATCHED("proofs: how the corners of two parts stand", turns_of_two[part]);
 }
 
 constexpr std::size_t parts_of(Split split) { return split == Split::midpoint ? 4 : 2; }
@@ -85,7 +89,7 @@ PieceProofs::Node PieceProofs::cut(Node piece, std::size_t opposite) {
     Entry& whole = nodes_[piece];
     whole.first = first;
     whole.opposite = static_cast<std::uint8_t>(opposite);
-    if (whole.near >= 0) {
+    if (WATCHED("proofs: a part has the triangle of the whole", whole.near >= 0)) {
         part.upper = whole.upper;
         part.near = whole.near;
     }
@@ -116,7 +120,9 @@ void PieceProofs::prove(Node piece, double upper, const PieceArgument& argument,
 }
 
 void PieceProofs::one_for_all(Index near) {
-    for (Entry& entry : nodes_) entry = {-1, {}, near, 0, {}, 0};
+    if (WATCHED("proofs: one triangle for all of A where time is out", true)) {
+        for (Entry& entry : nodes_) entry = {-1, {}, near, 0, {}, 0};
+    }
 }
 
 // --- writing the certificate after the search ------------------------------------------------------------------------
@@ -165,7 +171,8 @@ private:
     }
 
     bool leaf(const Entry& entry, const Corners& corners, int level, CertificateTree& tree) {
-        if (!(entry.upper <= upper_)) return look_again({corners, level, entry.turn, entry.near}, tree);
+        if (WATCHED("proofs: what was settled by a larger piece is bounded anew", !(entry.upper <= upper_)))
+            return look_again({corners, level, entry.turn, entry.near}, tree);
         reach(level);
         if (entry.near >= 0)
             tree.one(entry.near);
@@ -200,7 +207,10 @@ private:
     // none is.
     bool leaf_of(const PieceCorners& corners, const More& more, CertificateTree& tree) {
         const auto suffices = [&](double upper) {
-            if (!(upper <= upper_ + slack_)) return false;
+            if (!WATCHED_ELSE(
+                    "proofs: a piece that is bounded anew suffices for the answer",
+                    upper <= upper_ + WATCHED("proofs: room for rounding where a piece is bounded anew", slack_), true))
+                return false;
             reach(more.level);
             write_cells(tree, bounds_.argument(), corners, more.turn);
             return true;

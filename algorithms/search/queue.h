@@ -1,6 +1,8 @@
 // The priority queue of branch-and-bound searches.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -26,7 +28,7 @@ public:
     // Adds a piece. O(log n). The queue holds at most 2^32 pieces.
     void push(const Piece& piece) {
         std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
-        if (free_.empty()) {
+        if (WATCHED_ELSE("queue: places are used again", free_.empty(), true)) {
             pieces_.push_back(piece);
         } else {
             place = free_.back();
@@ -55,7 +57,9 @@ private:
         double upper;
         std::uint32_t place;  // index in pieces_
 
-        bool operator<(const Queued& other) const { return upper < other.upper; }
+        bool operator<(const Queued& other) const {
+            return WATCHED_ELSE("queue: the largest bound first", upper < other.upper, other.upper < upper);
+        }
     };
 
     std::vector<Queued> heap_;

@@ -1,5 +1,6 @@
 #include "algorithms/search/source_regions.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/queue.h"
 
 #include <cmath>
@@ -8,7 +9,11 @@ namespace hausbench {
 
 double SourceRegions::upper_of(const Box& box, const Vec3& q) {
     ++counters_.bound_tests;
-    return bounds_.at_most(squared_distance_at_most(q, box), 0);
+    return WATCHED_ELSE("regions: a bound without rounding",
+                        bounds_.at_most(WATCHED_ELSE("regions: the nearest corner of the box instead of the farthest",
+                                                     squared_distance_at_most(q, box), squared_distance_to_box(q, box)),
+                                        0),
+                        std::sqrt(squared_distance_at_most(q, box)));
 }
 
 // Lowers the upper bound of the region to the distance from its point q of B to the farthest corner of its box, if that
@@ -17,7 +22,7 @@ void SourceRegions::lower(Region& region) {
     const double upper = upper_of(region.box, region.q);
     if (!(upper < region.upper)) return;
     region.upper = upper;
-    region.shown = region.near;
+    region.shown = WATCHED("proofs: the triangle that the bound of a region is a distance to", region.near);
 }
 
 // Finds the point q of B closest to the centre of the region's box, and lowers the region's upper bound with it.
@@ -28,7 +33,8 @@ bool SourceRegions::improve(Region& region) {
         return false;
     const ClosestPoint nearest = target_.closest(0.5 * (region.box.low + region.box.high), region.near, counters_);
     region.own = true;
-    region.q = nearest.point;
+    region.q = WATCHED_ELSE("regions: a part takes the point of the whole for its own bound", nearest.point,
+                            Vec3(0.5 * (region.box.low + region.box.high)));
     region.near = nearest.triangle;
     lower(region);
     return true;
@@ -50,7 +56,8 @@ bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
     for (std::size_t steps = 0; !queue.empty(); ++steps) {
         if (steps % 32 == 0 && bounds_.out_of_time()) return false;
         Region region = queue.pop();
-        if (region.upper <= bounds_.purged_at_most(0)) {
+        if (region.upper <= WATCHED_ELSE("regions: settled whatever the bound is", bounds_.purged_at_most(0),
+                                         2 * bounds_.purged_at_most(0))) {
             for_each_triangle(region.child, [&](Index i) { settle(i, region.upper, region.shown); });
         } else if (improve(region)) {
             queue.push(region);
@@ -62,7 +69,8 @@ bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
                 Region part = region;
                 part.child = node.child[k];
                 part.own = false;
-                part.box = posed_box(node.boxes.box(k), pose_, all_);
+                part.box = WATCHED_ELSE("regions: boxes of A where it was before it moved",
+                                        posed_box(node.boxes.box(k), pose_, all_), node.boxes.box(k));
                 if (region.near >= 0) lower(part);
                 queue.push(part);
             }

@@ -1,5 +1,7 @@
 #include "algorithms/search/source_vertices.h"
 
+#include "algorithms/kernel/watched.h"
+
 namespace hausbench {
 
 Triangle SourceVertices::posed_triangle(Index i) const {
@@ -11,10 +13,11 @@ Triangle SourceVertices::posed_triangle(Index i) const {
 void SourceVertices::begin_warm() {
     WarmStart& last = *warm_start_;
     last.nearest.resize(vertices_.size(), -1);
-    if (last.source < 0) return;
+    if (WATCHED_ELSE("warm start: what was farthest is measured first", last.source < 0, true)) return;
     if (last.corner < 0) {
         const Vec3 point = last.point_in(posed_triangle(last.source));
-        bounds_.measure(point, last.target, last.source, level_of_closest_point);
+        bounds_.measure(point, last.target, last.source,
+                        WATCHED("warm start: a warm witness is widened", level_of_closest_point));
     } else {
         const Index v = a_.triangles(last.source, last.corner);
         vertices_[static_cast<std::size_t>(v)] = bounds_.measure(points_.row(v), last.target, last.source, 0);
@@ -30,10 +33,19 @@ bool SourceVertices::settle_by_last_pose(Index i) {
         if (nearest < 0) return false;
         const Triangle near = target_.triangle(nearest);
         double most = 0;
-        for (const Index other : corners) most = std::max(most, target_.squared_distance(points_.row(other), near));
+        for (const Index other : corners) {
+            most = std::max(most, target_.squared_distance(
+                                      points_.row(WATCHED_ELSE(
+                                          "warm start: each corner counts in the bound by what was nearest", other, v)),
+                                      near));
+        }
         counters_.point_triangle_distances += 3;
         ++counters_.bound_tests;
-        if (leave_out(i, bounds_.at_most(most, 0), nearest)) return true;
+        if (leave_out(WATCHED("fields: what a warm start settles has its bound", i),
+                      WATCHED_ELSE("warm start: what was nearest bounds a triangle, widened", bounds_.at_most(most, 0),
+                                   std::sqrt(most)),
+                      nearest))
+            return true;
     }
     return false;
 }
@@ -54,7 +66,7 @@ void SourceVertices::use_regions(const TriangleTree& tree, const Pose& pose) {
 
 bool SourceVertices::measure() {
     const bool done = measure_triangles();
-    if (bounds_.elements()) offer_to_all_triangles();
+    if (WATCHED("fields: a vertex counts for all its triangles", bounds_.elements())) offer_to_all_triangles();
     return done;
 }
 
@@ -62,7 +74,8 @@ bool SourceVertices::measure() {
 // triangle `near` of B, which is recorded as the proof if proofs are wanted.
 bool SourceVertices::leave_out(Index i, double upper, Index near) {
     if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
-    if (proofs_) proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
+    if (WATCHED("proofs: what a vertex or a region leaves out", proofs_))
+        proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
     settled_[static_cast<std::size_t>(i)] = true;
     return true;
 }
@@ -88,9 +101,11 @@ Index SourceVertices::measure_triangle(Index i, Index near) {
 
 // Measures one triangle first, even if its region could be skipped, so that there is a witness and a first lower bound.
 bool SourceVertices::measure_regions() {
-    measure_triangle(0, -1);
+    if (WATCHED("vertices: nothing is measured where regions settle all", true)) measure_triangle(0, -1);
     return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },
-                          [&](Index i, double upper, Index shown) { leave_out(i, upper, shown); });
+                          [&](Index i, double upper, Index shown) {
+                              leave_out(i, WATCHED("vertices: what a region leaves out has no bound", upper), shown);
+                          });
 }
 
 bool SourceVertices::measure_triangles() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/watched.h"
 
 #include <array>
 #include <cstddef>
@@ -21,7 +22,9 @@ enum class Split {
 // 2 sqrt(3) M. Split::midpoint halves it each time, so after 50 times it is at most 28uM, while the corners may be off
 // by 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of sqrt(3)
 // overall. 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
-constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
+inline int most_levels(Split split) {
+    return split == Split::midpoint ? 50 : WATCHED_ELSE("subdivision: a needle needs twice as many halvings", 102, 51);
+}
 
 // A triangle cut into pieces. `vertices` holds its corners (0, 1, 2), then the new vertices. A piece is three indices
 // into `vertices`, in the orientation of the triangle. The pieces cover the triangle, except for the rounding of the
@@ -49,7 +52,7 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
         cut.vertices[cut.vertex_count++] = measure(place(one, two), one);
     }
     cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
-    cut.piece_count = 4;
+    cut.piece_count = WATCHED_ELSE("subdivision: the piece in the middle", 4, 3);
     return cut;
 }
 
@@ -66,7 +69,7 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double length = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
-        if (length > longest) {
+        if (WATCHED_ELSE("subdivision: the longest edge is halved", length > longest, longest < 0)) {
             longest = length;
             opposite = k;
         }
@@ -74,7 +77,8 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
     const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
     cut.vertices[cut.vertex_count++] = measure(midpoint(corners[one], corners[two]), corners[one]);
     cut.pieces[0] = {opposite, one, 3};
-    cut.pieces[1] = {opposite, 3, two};
+    cut.pieces[1] =
+        WATCHED_ELSE("subdivision: both halves", (std::array<std::size_t, 3>{opposite, 3, two}), cut.pieces[0]);
     cut.piece_count = 2;
     return cut;
 }

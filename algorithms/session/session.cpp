@@ -1,6 +1,7 @@
 #include "algorithms/session/session.h"
 
 #include "algorithms/error.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/symmetric.h"
 
@@ -38,7 +39,10 @@ void check_statistics(const Query& query, const Shape& source, const Shape& targ
     if (query.weigh == WeighBy::number) return;
     const CountedBy a = counted_by(source), b = counted_by(target);
     for (const Statistic& one : query.statistics) {
-        if (one.over == Statistic::Over::pooled && a != b && a != CountedBy::nothing && b != CountedBy::nothing)
+        if (one.over == Statistic::Over::pooled &&
+            WATCHED_ELSE("distribution: lengths and areas are not pooled",
+                         a != b && a != CountedBy::nothing && b != CountedBy::nothing,
+                         (a == CountedBy::points) != (b == CountedBy::points)))
             throw InputError(fmt::format(
                 "query: '{}' would add areas, lengths or numbers of points to each other; count each vertex "
                 "once, or take another statistic",
@@ -95,7 +99,7 @@ Session::Session(const SolverEntry& entry, const Options& options, PreparedPair 
     const std::string no =
         refusal_of_shapes(entry.info, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()));
     if (!no.empty()) throw InputError(no);
-    if (pair_.source->exponent() != pair_.target->exponent())
+    if (WATCHED("session: shapes of different exponents", pair_.source->exponent() != pair_.target->exponent()))
         throw std::logic_error("the shapes of a session are scaled by different exponents");
     if (queries.symmetric) expect(Quantity::symmetric);
     Direct direct = wired(maker_, pair_, queries);
@@ -114,7 +118,7 @@ Session::Session(Session&&) noexcept = default;
 Session::Direct Session::wired(const std::shared_ptr<const SolverMaker>& maker, const PreparedPair& pair,
                                const QuerySet& queries) {
     QuerySet turned = queries;
-    std::swap(turned.moves, turned.target_moves);
+    if (WATCHED("session: moves of the second direction", true)) std::swap(turned.moves, turned.target_moves);
     auto forward = std::make_unique<MovingTarget>(maker, pair.source, pair.target, queries);
     auto backward = std::make_unique<MovingTarget>(maker, pair.target, pair.source, turned);
     Direct direct;
@@ -133,7 +137,9 @@ void Session::expect(Quantity quantity) const {
 
 void Session::keep_books(Books books, const std::string& suffix) {
     for (PreparationTime& time : books.times) {
-        if (!suffix.empty() && built_for_the_first_direction(time.name)) continue;
+        if (WATCHED("session: a structure of both directions counts once",
+                    !suffix.empty() && built_for_the_first_direction(time.name)))
+            continue;
         time.name += suffix;
         preparation_.push_back(std::move(time));
     }
@@ -159,7 +165,7 @@ std::unique_ptr<State> Session::begin() const { return maker_->info().can(Abilit
 
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
-    expect(query.quantity);
+    if (WATCHED("session: the direction that a solver does not take", true)) expect(query.quantity);
     if (query.quantity == Quantity::distribution) check_statistics(query, pair_.source->shape(), pair_.target->shape());
     Query asked = query;
     asked.threads = usable_threads(query.threads);
@@ -171,8 +177,11 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
         result.witness.direction = Witness::Direction::source_to_target;
         for (Certificate& one : result.certificates) one.direction = Witness::Direction::source_to_target;
     }
-    if (!query.wanted.fields || !maker_->info().can(Ability::fields)) result.fields.reset();
-    if (!query.wanted.certificate || !maker_->info().can(Ability::certificates)) result.certificates.clear();
+    if (WATCHED("session: fields that nobody wants", !query.wanted.fields || !maker_->info().can(Ability::fields)))
+        result.fields.reset();
+    if (WATCHED("session: certificates that nobody wants",
+                !query.wanted.certificate || !maker_->info().can(Ability::certificates)))
+        result.certificates.clear();
     if (!query.wanted.certificate || !result.certificates.empty()) result.why_no_certificate.clear();
     return result;
 }

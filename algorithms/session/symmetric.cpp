@@ -1,6 +1,7 @@
 #include "algorithms/session/symmetric.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cmath>
 #include <utility>
@@ -11,10 +12,15 @@ namespace {
 // Turns an answer to h(B,A) into a part of an answer to H(A,B): exchanges source and target in the witness, and marks
 // all entries as belonging to the direction from B to A.
 void turn_around(Result& result) {
-    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
-    std::swap(result.witness.source_point, result.witness.target_point);
-    std::swap(result.witness.source_element, result.witness.target_element);
-    result.witness.direction = Witness::Direction::target_to_source;
+    for (Certificate& one : result.certificates)
+        if (WATCHED("H: the direction of a certificate of h(B,A)", true))
+            one.direction = Witness::Direction::target_to_source;
+    if (WATCHED("H: the points of a witness from B to A", true))
+        std::swap(result.witness.source_point, result.witness.target_point);
+    if (WATCHED("H: the elements of a witness from B to A", true))
+        std::swap(result.witness.source_element, result.witness.target_element);
+    if (WATCHED("H: the direction of a witness from B to A", true))
+        result.witness.direction = Witness::Direction::target_to_source;
     result.fields.reset();  // they have values for B, but the fields of H are for A
     Reported reported;
     for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
@@ -28,23 +34,25 @@ void join(Result& whole, const Result& other, bool backward) {
     if (!whole.fields) whole.fields = other.fields;
     // H needs the proofs of both directions.
     if (whole.why_no_certificate.empty()) whole.why_no_certificate = other.why_no_certificate;
-    if (whole.certificates.empty() || other.certificates.empty())
+    if (WATCHED("H: a certificate of one direction alone", whole.certificates.empty() || other.certificates.empty()))
         whole.certificates.clear();
     else
         whole.certificates.insert(backward ? whole.certificates.end() : whole.certificates.begin(),
                                   other.certificates.begin(), other.certificates.end());  // h(A,B) first
     whole.reported.insert(other.reported.begin(), other.reported.end());
-    whole.reported_seconds += other.reported_seconds;
-    whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
+    whole.reported_seconds += WATCHED("H: the time of an outside program", other.reported_seconds);
+    if (WATCHED("H: the larger peak of an outside program", true))
+        whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
 }
 
 // Completes the answer when the first direction is above the cutoff: the second is then skipped, so H has no upper
 // bound.
 void stop_above_cutoff(Result& whole) {
-    whole.bounds.upper = infinity;
+    if (WATCHED("H: stopped above the cutoff, the other direction may be any", true)) whole.bounds.upper = infinity;
     whole.status = Status::above_cutoff;
-    whole.note.clear();
-    whole.certificates.clear();  // they do not prove an upper bound of H
+    if (WATCHED("H: the note of a direction that was stopped", true)) whole.note.clear();
+    if (WATCHED("H: a certificate where the cutoff ended it", true))
+        whole.certificates.clear();  // they do not prove an upper bound of H
     whole.why_no_certificate =
         "one direction is above the cutoff, so the other was not measured, and H has no upper bound";
 }
@@ -53,16 +61,23 @@ void stop_above_cutoff(Result& whole) {
 
 void keep_larger(Result& whole, const Result& other) {
     if (other.bounds.lower > whole.bounds.lower) {
-        whole.bounds.lower = other.bounds.lower;
-        whole.witness = other.witness;
+        if (WATCHED("H: the lower bound of the second direction", true))
+            whole.bounds.lower = WATCHED_ELSE("measure: H has the larger lower bound of both directions",
+                                              other.bounds.lower, whole.bounds.lower);
+        if (WATCHED("H: the witness of the larger lower bound", true)) whole.witness = other.witness;
     }
     // The direction with the larger upper bound explains the remaining gap. NaN counts as the largest.
-    if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
-        whole.bounds.upper = other.bounds.upper;
-        whole.status = other.status;
-        whole.note = other.note;
+    if (WATCHED_ELSE("penetration: the upper bound is that of the deepest part",
+                     other.bounds.upper > whole.bounds.upper,
+                     other.bounds.upper > whole.bounds.upper && whole.bounds.upper == 0) ||
+        WATCHED("H: a NaN is no bound", std::isnan(other.bounds.upper))) {
+        if (WATCHED("H: the upper bound of the second direction", true))
+            whole.bounds.upper = WATCHED_ELSE("measure: H has the larger upper bound of both directions",
+                                              other.bounds.upper, whole.bounds.upper);
+        if (WATCHED("H: the status of the larger upper bound", true)) whole.status = other.status;
+        if (WATCHED("H: the note of the larger upper bound", true)) whole.note = other.note;
     }
-    whole.counters += other.counters;
+    if (WATCHED("H: the work of the second direction", true)) whole.counters += other.counters;
 }
 
 // The states of the two directions.
@@ -99,7 +114,7 @@ Result Symmetric::solve(const Query& query, State* state, Trace& trace) const {
 Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trace) const {
     query.quantity = Quantity::directed;
     if (backward) {
-        std::swap(query.source_pose, query.target_pose);
+        if (WATCHED("H: poses change places", true)) std::swap(query.source_pose, query.target_pose);
         query.wanted.fields = false;
     }
     trace.start();
@@ -117,7 +132,9 @@ Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& t
     Opening opening;
     const std::uint64_t most = query.budget;
     const auto more = [most](std::uint64_t spent) { return spent > most / 16 ? most : 16 * spent; };
-    if (query.tolerance.of != Tolerance::Of::lower || info_.ignores_tolerance) return opening;
+    if (WATCHED("H: relative tolerances: nothing is tried for others", query.tolerance.of != Tolerance::Of::lower) ||
+        WATCHED("H: relative tolerances: exact solvers need no trial", info_.ignores_tolerance))
+        return opening;
     for (query.budget = 64; query.budget < most; query.budget = more(query.budget)) {
         const double limit = query.time_limit;
         Query asked = query;
@@ -131,9 +148,12 @@ Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& t
         asked.time_limit = clock.left(limit);
         const Result backward = directed(asked, true, nullptr, trace);
         opening.spent += forward.counters;
-        opening.spent += backward.counters;
-        opening.backward = backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower;
-        if (opening.backward || forward.bounds.lower > 0) return opening;
+        if (WATCHED("H: relative tolerances: what was tried is work too", true)) opening.spent += backward.counters;
+        opening.backward = WATCHED("H: relative tolerances: the larger direction first",
+                                   backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower);
+        if (WATCHED_ELSE("H: relative tolerances: more is tried where nothing is known",
+                         opening.backward || forward.bounds.lower > 0, true))
+            return opening;
     }
     return opening;
 }
@@ -158,17 +178,26 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     whole.counters += opening.spent;
     // H(A,B) has no upper bound until the other direction has one.
     for (const TraceSample& sample : one.samples())
-        trace.samples().push_back({before + sample.seconds, sample.lower, infinity});
+        trace.samples().push_back(
+            {before + sample.seconds, sample.lower,
+             WATCHED_ELSE("H: no upper bound before both directions have one", infinity, sample.upper)});
     if (whole.bounds.lower > query.cutoff) {
         stop_above_cutoff(whole);
         return whole;
     }
     const double first = clock.elapsed();
-    asked.time_limit = clock.left(query.time_limit);
-    asked.floor = std::max(query.floor, whole.bounds.lower);
+    asked.time_limit =
+        WATCHED_ELSE("H: the time that the first direction took", clock.left(query.time_limit), query.time_limit);
+    asked.floor = std::max(WATCHED("H: a floor of the query that is higher", query.floor),
+                           WATCHED("H: the first lower bound is the floor of the second direction",
+                                   WATCHED_ELSE("H: the floor is proven, so it is no upper bound", whole.bounds.lower,
+                                                whole.bounds.upper)));
     // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
-    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
-    if (info_.can(Ability::shared_pairs)) chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
+    if (WATCHED_ELSE("H: a question keeps its floor", query.floor < query.cutoff, true) && asked.floor >= query.cutoff)
+        asked.floor =
+            WATCHED_ELSE("H: a floor that is the cutoff asks no question", next_down(query.cutoff), query.cutoff);
+    if (WATCHED("session: the second direction learns of the first", info_.can(Ability::shared_pairs)))
+        chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
     two.watch(trace.watched() ? [&](Result& so_far) {
         so_far.bounds = {std::max(whole.bounds.lower, so_far.bounds.lower),
                          std::max(whole.bounds.upper, so_far.bounds.upper)};
@@ -176,11 +205,14 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     } : Trace::Watcher());
     const Result other = directed(asked, !opening.backward, chain, two);
     for (const TraceSample& sample : two.samples()) {
-        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
-                                   std::max(whole.bounds.upper, sample.upper)});
+        trace.samples().push_back(
+            {first + sample.seconds,
+             std::max(WATCHED("H: the first lower bound counts in the trace", whole.bounds.lower), sample.lower),
+             std::max(WATCHED("H: the first upper bound counts in the trace", whole.bounds.upper), sample.upper)});
     }
     join(whole, other, !opening.backward);
-    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
+    if (const auto answer =
+            WATCHED("H: the answer of both together", query.answer(whole.bounds.lower, whole.bounds.upper))) {
         whole.status = *answer;
         whole.note.clear();
     }

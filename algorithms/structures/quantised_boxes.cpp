@@ -1,5 +1,7 @@
 #include "algorithms/structures/quantised_boxes.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -26,7 +28,9 @@ namespace hausbench {
 Box QuantisedBoxes::set(std::span<const Box> boxes) {
     Box whole = boxes.front();
     for (const Box& box : boxes.subspan(1)) whole.add(box);
-    const double least_step = std::max((whole.high - whole.low).maxCoeff() / 255, 0x1p-441);
+    const double least_step = std::max(
+        (whole.high - whole.low).maxCoeff() / WATCHED_ELSE("tree boxes: 255 steps hold the extent", 255, 255.0000001),
+        WATCHED("tree boxes: steps do not underflow", 0x1p-441));
     const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(least_step) >> 52) + 1;  // biased by 1023
     step = std::bit_cast<double>(exponent << 52);
     inverse = std::bit_cast<double>((2046 - exponent) << 52);
@@ -35,9 +39,15 @@ Box QuantisedBoxes::set(std::span<const Box> boxes) {
         for (std::size_t i = 0; i < boxes.size(); ++i) {
             const double lower = boxes[i].low[k], upper = boxes[i].high[k], extent = upper - origin[k];
             const int steps = static_cast<int>((lower - origin[k]) * inverse);
-            low(k, i) = static_cast<std::uint8_t>(steps - (origin[k] + steps * step > lower ? 1 : 0));
+            low(k, i) = static_cast<std::uint8_t>(
+                steps - WATCHED("tree boxes: a lower plane one step back where rounding put it inside",
+                                origin[k] + steps * step > lower ? 1 : 0));
             const int upper_steps = static_cast<int>(extent * inverse);
-            const bool inside = upper_steps * step < extent || origin[k] + upper_steps * step < upper;
+            const bool inside = WATCHED_ELSE(
+                "tree boxes: an upper plane is compared in full",
+                WATCHED("tree boxes: an upper plane is no less before it is rounded", upper_steps * step < extent) ||
+                    WATCHED("tree boxes: an upper plane is rounded up", origin[k] + upper_steps * step < upper),
+                upper_steps < extent * inverse);
             high(k, i) = static_cast<std::uint8_t>(upper_steps + (inside ? 1 : 0));
         }
         for (std::size_t i = boxes.size(); i < tree_width; ++i) {

@@ -16,6 +16,7 @@
 #pragma once
 
 #include "algorithms/kernel/box.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cstdint>
 #include <span>
@@ -42,8 +43,10 @@ struct QuantisedBoxes {
 
     // Returns box i in double precision. It contains the box that was given to set().
     Box box(int i) const {
-        return {{plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
-                {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]), plane(2, high_z[i])}};
+        return {
+            {plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
+            {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]),
+             plane(2, WATCHED_ELSE("wide tree: the upper plane of a child from its lower one", high_z[i], low_z[i]))}};
     }
 
     // Stores one to eight boxes, rounded outward, and returns the exact box around all of them. Their coordinates may

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "algorithms/kernel/parallel.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/structures/wide_tree.h"
 
 #include <array>
@@ -148,7 +149,7 @@ struct Builder {
         std::array<Range, tree_width> parts;
         int count = 1;
         if (whole.size() > leaf_capacity) {
-            if (whole.size() > 4096) Stoppable::look();
+            if (WATCHED("trees: large ones cannot be stopped", whole.size() > 4096)) Stoppable::look();
             localise(whole);
             parts[0] = whole;
             count = split(whole, depth, parts);

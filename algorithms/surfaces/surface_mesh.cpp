@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/surfaces/surface_tree.h"
 
 #include <algorithm>
@@ -193,7 +194,9 @@ private:
         const double least_width = 1e-6 * (tree_.box().high - tree_.box().low).maxCoeff() / cells_;
         for (int k = 0; k < 3; ++k) {
             if (box.high[k] - box.low[k] >= least_width) continue;
-            box.low[k] = std::max(tree_.box().low[k], -(least_width - box.low[k]));  // rounded down
+            box.low[k] =  // rounded down
+                std::max(tree_.box().low[k], WATCHED_ELSE("mesh of a surface: a side moved down is rounded down",
+                                                          -(least_width - box.low[k]), box.low[k] - least_width));
             box.high[k] = std::min(tree_.box().high[k], box.high[k] + least_width);
         }
         const LinearForm f = tree_.form(box, counters_);
@@ -295,7 +298,8 @@ double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, co
         w /= sum;
     }
     const Vec3 q = a + v * ab + w * ac;
-    return apart(p, q) + 32 * unit_roundoff * magnitude;
+    return apart(p, q) +
+           WATCHED("mesh of a surface: rounding of the point of a triangle", 32 * unit_roundoff * magnitude);
 }
 
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells) {

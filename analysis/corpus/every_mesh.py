@@ -10,7 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -102,8 +102,8 @@ def make(results: Results) -> Report:
     times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
     statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
     table = tables.Table(
-        f"{results.meta.get('title', '')}: tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal, on {len(measured)} of {len(results.scenes)} "
-        f"meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
+        f"{results.meta.get('title', '')}: tolerance {numerals.number(float(cases.tolerance[0]))} of the diagonal, on {len(measured)} of {len(results.scenes)} "
+        f"meshes, within {numerals.number(float(cases.case_seconds_limit[0]))} s.",
         ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
     records: list[tables.Record] = []
     for solver, label in labels:
@@ -111,7 +111,7 @@ def make(results: Results) -> Report:
         counts, known = Counter(cases.status[row] for row in rows), np.array([x for x in times[label] if np.isfinite(x)])
         middle, slowest = median(known), 1e3 * float(known.max()) if len(known) else math.nan
         table.rows.append([style.title(solver, label), f"{counts[ANSWERS]} of {len(rows)}", *[str(counts[status]) for status in statuses],
-                           tables.estimate(middle, 1e3), quantile(known, 0.9), tables.number(slowest)])
+                           numerals.estimate(middle, 1e3), quantile(known, 0.9), numerals.number(slowest)])
     for row in range(len(cases)):
         records.append({"mesh": cases.source[row], "triangles": int(cases.source_elements[row]), "solver": cases.solver[row],
                         "label": cases.label[row], "status": cases.status[row], "reason": cases.reason[row],
@@ -124,7 +124,7 @@ def make(results: Results) -> Report:
 
 
 def quantile(values: Sequence[float] | np.ndarray[Any, Any], share: float) -> str:
-    return tables.number(1e3 * float(np.quantile(values, share))) if len(values) else tables.NOTHING
+    return numerals.number(1e3 * float(np.quantile(values, share))) if len(values) else numerals.NOTHING
 
 
 def draw(labels: list[tuple[str, str]], times: dict[str, list[float]], meshes: int) -> Any:

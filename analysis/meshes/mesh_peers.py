@@ -10,7 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import scipy.stats
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.cells import Cell, Grid, compare
 from analysis.shared.claims import Claim
 from analysis.shared.comparable import apart, reason_apart
@@ -91,7 +91,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
 def judge_finer(label: str, tolerance: float, pairs: Sequence[Pair]) -> Verdict:
     """Judges the speedup of a solver over CGAL at a finer tolerance."""
     aim = FINER[label]
-    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" over all pairs, at a tolerance of {tables.number(tolerance)} of the diagonal", label=label)
+    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" over all pairs, at a tolerance of {numerals.number(tolerance)} of the diagonal", label=label)
     return judge_mean(claim, aim, pairs)
 
 
@@ -103,7 +103,7 @@ def judge_mean(claim: Claim, aim: float, pairs: Sequence[Pair]) -> Verdict:
     lost = sum(not peer.failures for peer, own in pairs if own.failures)
     if mean.n:
         too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
-        verdict = replace(verdict, evidence=f"{too_few}{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
+        verdict = replace(verdict, evidence=f"{too_few}{numerals.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
     if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL was given its limit as time, so the true mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
                           evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}")
@@ -133,7 +133,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
     ratios = [over_aim(pair) for pair in pairs]
     verdict = everywhere(claims.of("hausbench", "times_cgal_everywhere", title=style.title(label), aim=aim, label=label), ratios)
     known = [aim * x.value for x in ratios if x.n]
-    spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
+    spread = f"{numerals.number(min(known))} to {numerals.number(max(known))} times; over {aim}: " if known else ""
     few, _, rest = verdict.evidence.partition("; ") if verdict.outcome == NOT_JUDGED else ("", "", verdict.evidence)
     return replace(verdict, evidence=f"{few}; " * bool(few) + spread + rest)
 
@@ -144,7 +144,7 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
     if not answered:
         return []
-    return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
+    return [f"{style.title(other)} takes {numerals.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
             f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."]
 
 
@@ -158,7 +158,7 @@ def pairs_with_cgal(results: Results, grid: Grid) -> dict[str, dict[str, Pair]]:
 def means(pairs: dict[str, dict[str, Pair]], labels: Sequence[tuple[str, str]], among: Sequence[str] | None = None) -> list[str]:
     """Returns the geometric mean of each label over the pairs that it answered, or over the scenes `among`; empty for one without pairs."""
     known = {label: {scene: pair for scene, pair in of.items() if comparable(pair)} for label, of in pairs.items()}
-    return [tables.estimate(mean_ratio([pair for scene, pair in known[label].items() if among is None or scene in among])) if known.get(label) else ""
+    return [numerals.estimate(mean_ratio([pair for scene, pair in known[label].items() if among is None or scene in among])) if known.get(label) else ""
             for _, label in labels]
 
 
@@ -182,18 +182,18 @@ def make(results: Results) -> Report:
     grid = Grid(results, tolerance=tolerance)
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory without the shapes, MiB. Directed distance, "
-                         f"tolerance {tables.number(tolerance)} of the diagonal of A.",
+                         f"tolerance {numerals.number(tolerance)} of the diagonal of A.",
                          ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
     for scene in scenes:
         row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
-        h = tables.value(*proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row]))
+        h = numerals.value(*proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row]))
         table.rules.add(len(table.rows))
         table.rows.append([scene, results.sizes(row, " → "), h, "ms",
                            *grid.texts(scene, 1000)])
         at_least = "≥ " if peer and peer.failures else ""
-        table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + tables.estimate(x) for x in ratios]])
-        table.rows.append(["", "", "", "MiB", *[tables.number(cell.peak / 2**20) if cell else tables.NOTHING for cell in own]])
+        table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + numerals.estimate(x) for x in ratios]])
+        table.rows.append(["", "", "", "MiB", *[numerals.number(cell.peak / 2**20) if cell else numerals.NOTHING for cell in own]])
         if cases.scene_note[row]:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
     records = records_of(results, grid, tolerance)
@@ -210,16 +210,16 @@ def make(results: Results) -> Report:
         own_grid = Grid(results, tolerance=small)
         records += records_of(results, own_grid, small)
         tighter = pairs_with_cgal(results, own_grid)
-        table.rows.append([f"geometric mean at {tables.number(small)}", "", "", "times", *means(tighter, labels)])
+        table.rows.append([f"geometric mean at {numerals.number(small)}", "", "", "times", *means(tighter, labels)])
         table.verdicts += [judge_finer(label, small, list(tighter[label].values())) for label in FINER if label in tighter]
     counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
-        f"{tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
+        f"{numerals.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
         "certain the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results, results.rows(tolerance=tolerance))}."]
-    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(tolerance)} of the diagonal of A. "
+    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {numerals.number(tolerance)} of the diagonal of A. "
                "Right of the frame: no answer, and why.")
     return Report(lambda: draw(grid), table, records, style.letters_key(status for cell in cells.values() for status in cell.failures), caption=caption)
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.patches import Rectangle
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -62,27 +62,27 @@ def make(results: Results) -> Report:
     rows = {(scene, label): int(found[0]) for scene in scenes for _, label in labels
             if (found := results.rows(scene=scene, label=label))}
     table = tables.Table("How each solver ends on pairs of meshes that are traps: converged to "
-                         f"{tables.number(float(cases.tolerance[0]))} of the diagonal of A, or stopped with bounds that hold.",
+                         f"{numerals.number(float(cases.tolerance[0]))} of the diagonal of A, or stopped with bounds that hold.",
                          ["pair", "triangles", "h(A,B) / diagonal", *[style.title(*pair) for pair in labels]],
                          left=3 + len(labels))
     records: list[tables.Record] = []
     for scene in scenes:
         first = results.rows(scene=scene)[0]
         table.rows.append([scene, results.sizes(first, " → "), distance(results, first),
-                           *[ends(results, rows[scene, label]) if (scene, label) in rows else tables.NOTHING for _, label in labels]])
+                           *[ends(results, rows[scene, label]) if (scene, label) in rows else numerals.NOTHING for _, label in labels]])
         table.notes.append(f"{scene}: {cases.scene_note[first]}.")
         records += [{"scene": scene, "solver": solver, "label": label, "outcome": outcome(results, row),
                      "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                      "exact": float(cases.exact[row]), "certified": bool(cases.certified[row]),
                      "solve_seconds": float(cases.solve_seconds[row]), "reason": cases.reason[row]}
                     for solver, label in labels if (row := rows.get((scene, label))) is not None]
-    wrong = [f"{label} on {scene} ({tables.bounds(float(cases.lower[row]), float(cases.upper[row]))})" for scene in scenes for _, label in labels
+    wrong = [f"{label} on {scene} ({numerals.bounds(float(cases.lower[row]), float(cases.upper[row]))})" for scene in scenes for _, label in labels
              if (row := rows.get((scene, label))) is not None and outcome(results, row) == WRONG]
     table.verdicts = [claim(results)]
     table.notes += [f"Wrong: {'; '.join(wrong) or 'none'}. Bounds are wrong if they leave out the true distance (by more than {SLACK:g} of the diagonal), "
                     "contradict what is proven about it, or cross; and if a certified solver says that it has converged but has not. CGAL returns no "
                     "interval: one is made from its answer and the tolerance.",
-                    f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
+                    f"Each had {numerals.number(float(cases.case_seconds_limit[0]))} s.",
                     f"{machine_line(results)}."]
     return Report(lambda: draw(results, scenes, labels, rows), table, records, clock=NO_TIMES)
 
@@ -91,7 +91,7 @@ def distance(results: Results, row: int) -> str:
     """Returns the true distance over the diagonal of A: '0', three digits if that many are proven, or else the proven interval."""
     if results.cases.exact[row] == 0:
         return "0"
-    return tables.value(*results.reference_of(row), over=float(results.cases.source_diagonal[row]))
+    return numerals.value(*results.reference_of(row), over=float(results.cases.source_diagonal[row]))
 
 
 def mark(results: Results, row: int) -> tuple[Outcome, str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.cells import Grid
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -30,7 +30,7 @@ def make(results: Results) -> Report:
         ratios.append(ratio)
         points = int(cases.source_elements[first])
         distances = ours.counters["point_distances"] / points if ours and not ours.failures else math.nan
-        table.rows.append([style.scene_title(scene), *grid.texts(scene, 1000), tables.ratio(ratio), tables.number(distances)])
+        table.rows.append([style.scene_title(scene), *grid.texts(scene, 1000), numerals.ratio(ratio), numerals.number(distances)])
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}.")
         own = {label: cell for (_, label), cell in zip(grid.labels, grid.row(scene)) if cell}
         records.append({"scene": scene, "points": points, "ratio": ratio.value, "ratio_low": ratio.low,

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.stats
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.comparable import apart, origin
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -37,7 +37,7 @@ class Cell:
     def text(self) -> str:
         if self.status != "ok":
             return style.status_word(self.status)
-        return tables.estimate(self.time, 1000)
+        return numerals.estimate(self.time, 1000)
 
 
 def ratio(other: Cell, ours: Cell) -> Estimate:
@@ -93,9 +93,9 @@ def make(results: Results) -> Report:
         if speedup.n:
             ratios.append(speedup.value)
         table.rules.add(len(table.rows))
-        table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else tables.NOTHING for cell in own],
-                           tables.ratio(speedup)])
-        table.rows.append(["", "MiB", *[tables.number(cell.mebibytes) if cell else tables.NOTHING for cell in own], ""])
+        table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else numerals.NOTHING for cell in own],
+                           numerals.ratio(speedup)])
+        table.rows.append(["", "MiB", *[numerals.number(cell.mebibytes) if cell else numerals.NOTHING for cell in own], ""])
         first = results.rows(scene=scene)[0]
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
                            f"{cases.target_elements[first]:,} points.")
@@ -110,10 +110,10 @@ def make(results: Results) -> Report:
     table.verdicts = [judge(results, cells)]
     mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(ratios, default=math.nan)
     table.rules.add(len(table.rows))
-    table.rows.append(["geometric mean", "", *[""] * len(labels), tables.number(mean)])
+    table.rows.append(["geometric mean", "", *[""] * len(labels), numerals.number(mean)])
     table.notes += [
-        f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of {len(scenes)} workloads. Solvers that "
-        f"did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are left out: they took longer.",
+        f"Best other / ours: geometric mean {numerals.number(mean)}, least {numerals.number(least)}, over {len(ratios)} of {len(scenes)} workloads. Solvers that "
+        f"did not end in {numerals.number(float(cases.case_seconds_limit[0]))} s are left out: they took longer.",
         tables.coverage_note(cell.time for cell in cells.values())
         + " SciPy's programs measure their own time, without starting Python and reading files, and are compared with our wall time. Their memory includes "
         "Python.",

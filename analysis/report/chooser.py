@@ -10,7 +10,7 @@ from typing import Final
 import scipy.stats
 
 from analysis import which_solver
-from analysis.shared import tables
+from analysis.shared import numerals
 from analysis.shared.results import Results
 from analysis.shared.statistics import CONFIDENCE
 from analysis.which_solver import DOMAINS, FINEST, Cell
@@ -36,12 +36,12 @@ class Win:
 
     @property
     def factor(self) -> str:
-        return f"{tables.number(self.ratio, 2)}×" if self.ratio == self.ratio else ""
+        return f"{numerals.number(self.ratio, 2)}×" if self.ratio == self.ratio else ""
 
     @property
     def range(self) -> str:
         """The least and the greatest ratio, '1.2× to 4.0×'; empty if they are one."""
-        least, most = tables.number(self.least, 2), tables.number(self.most, 2)
+        least, most = numerals.number(self.least, 2), numerals.number(self.most, 2)
         return "" if least == most else f"{least}× to {most}×"
 
     @property

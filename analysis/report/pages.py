@@ -32,7 +32,7 @@ import markupsafe
 from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
 from analysis.report.copies import UNREADABLE, copied
-from analysis.shared import claims, gate, stems, tables
+from analysis.shared import claims, gate, stems, table_files
 from analysis.shared.load import REFERENCE, left_out, load_all
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
@@ -194,7 +194,7 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
 
     def page(here: str, template: str, **more: Any) -> None:
         paths.append(folder / f"{here}.html")
-        tables.write_whole(paths[-1], made.get_template(template).render(here=here, **common, **more))
+        table_files.write_whole(paths[-1], made.get_template(template).render(here=here, **common, **more))
 
     pages_of = {name: [experiment(stem, results, out) for stem in document.stems_of(name)] for name in lines}
     verdicts = {name: outcomes.paper(name, several) for name, several in lines.items()}
@@ -212,10 +212,10 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
     timings, left_out = history(), ledger.by_time([ledger.read(one) for one in results.values()])
     page("work", "work.html.j2", table=ledger.table(left_out) if left_out else None, totals=ledger.line(left_out) if left_out else "",
          history=bool(timings), plots=plots)
-    tables.write_whole(folder / "rows_data.js", "window.hausbenchRows = " + all_rows.script(results) + ";\n")
-    tables.write_whole(folder / "history_data.js", "window.hausbenchHistory = " + all_rows.as_script(timings) + ";\n")
-    tables.write_whole(folder / "stability_data.js", "window.hausbenchStability = " + all_rows.as_script(answers) + ";\n")
-    tables.write_whole(folder / "scenes_data.js", "window.hausbenchScenes = " + all_rows.as_script(shown) + ";\n")
+    table_files.write_whole(folder / "rows_data.js", "window.hausbenchRows = " + all_rows.script(results) + ";\n")
+    table_files.write_whole(folder / "history_data.js", "window.hausbenchHistory = " + all_rows.as_script(timings) + ";\n")
+    table_files.write_whole(folder / "stability_data.js", "window.hausbenchStability = " + all_rows.as_script(answers) + ";\n")
+    table_files.write_whole(folder / "scenes_data.js", "window.hausbenchScenes = " + all_rows.as_script(shown) + ";\n")
     for path in [*sorted((HERE / "web").iterdir()), *(path for name in ("view.js", "plots.js", "licences.txt") if (path := LIBRARIES / name).exists())]:
         shutil.copyfile(path, folder / path.name)
     return paths, problems

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm
 
-from analysis.shared import mesh_picture, shapes, style, tables
+from analysis.shared import mesh_picture, numerals, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -33,7 +33,7 @@ def make(results: Results) -> Report:
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
                          ["pair", "|A| / |B|", "h, lower", "h, upper", "at the vertices of A alone", "paper"], left=1)
     table.rows.append([cases.scene[case], results.sizes(case),
-                       tables.at_least(low, 6, times=100, over=diagonal), tables.at_most(high, 6, times=100, over=diagonal), tables.number(100 * float(distance.max()) / diagonal),
+                       numerals.at_least(low, 6, times=100, over=diagonal), numerals.at_most(high, 6, times=100, over=diagonal), numerals.number(100 * float(distance.max()) / diagonal),
                        f"< {PAPER:g}"])
     table.notes = [f"{cases.scene_note[case]}.", "The paper's number is for its own pair, relative to the diagonal of the box of A and B.",
                    f"Here: {machine_line(results)}."]

@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.cells import MEASURES, Cell, in_time_and_work
 from analysis.shared.comparable import reason_apart
 from analysis.shared.notes import clock_word, machine_line
@@ -122,9 +122,9 @@ def make(results: Results) -> Report:
     ranked = sorted(found.orders, key=lambda order: (-found.count(order), -found.count(order, list(MEASURES)[-1])))
     for order in ranked:
         ended = sum(found.ends(order, scene) for scene in found.solved)
-        table.rows.append([order, tables.number(100 * ended / len(found.solved)) if found.solved else tables.NOTHING,
+        table.rows.append([order, numerals.number(100 * ended / len(found.solved)) if found.solved else numerals.NOTHING,
                            str(found.stopped(order, "budget")), str(found.stopped(order, "timeout")),
-                           *[tables.number(found.percent(order, what)) for what in ("", *MEASURES)], place(order)])
+                           *[numerals.number(found.percent(order, what)) for what in ("", *MEASURES)], place(order)])
     limits = sorted({float(x) for x in results.cases.case_seconds_limit})
     table.verdicts = verdicts(found)
     table.notes = [f"{len(found.orders)} of 64 orders were run; the paper draws 19. An order may make 1000 pieces per triangle of A and has "
@@ -146,7 +146,7 @@ def make(results: Results) -> Report:
 def place(order: str) -> str:
     """Returns the place of an order in the paper's figure, or a dash if it is not shown there."""
     if order not in DRAWN:
-        return tables.NOTHING
+        return numerals.NOTHING
     at = DRAWN.index(order)
     return "among the 7 worst" if at < 7 else "in between" if at < 9 else "best" if order == BEST else "among the 10 best"
 
@@ -175,7 +175,7 @@ def draw(found: Orders) -> Any:
         ax.bar(x, ended, width=0.78, facecolor="none", edgecolor=style.GREY, linewidth=0.6)
         ax.bar(x, [found.percent(order, what) if found.solved else 0.0 for order in drawn], width=0.78, color=colours, zorder=2)
         for i, order in enumerate(drawn):
-            ax.text(i, (found.percent(order, what) if found.solved else 0.0) + 1.5, tables.number(found.percent(order, what), 2), ha="center",
+            ax.text(i, (found.percent(order, what) if found.solved else 0.0) + 1.5, numerals.number(found.percent(order, what), 2), ha="center",
                     fontsize=6, color="#333333", zorder=3)
         ax.set_ylim(0, 108)
         ax.set_ylabel(f"pairs (%), n = {len(found.solved)}")

@@ -11,7 +11,7 @@ from matplotlib.colors import PowerNorm, to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from analysis.shared import claims, mesh_picture, shapes, style, tables
+from analysis.shared import claims, mesh_picture, numerals, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -59,7 +59,7 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
     found = []
     for pair in pairs:
         counts, n = pair.counts, len(pair.last)
-        said = ", ".join(f"{name} {tables.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares))
+        said = ", ".join(f"{name} {numerals.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares))
         unused = [name for name, count in zip(NAMES, counts) if not count]
         used = all_of(claims.of("sacht2024", "all_bounds", pair.scene), len(unused), len(NAMES), len(NAMES), f"bounds, of {n:,} triangles")
         # The exact case and u1 are the two least used if both counts are below all others.
@@ -98,8 +98,8 @@ def make(results: Results) -> Report:
     table = tables.Table("The upper bound computed last for each triangle of A, or for a piece of it, in percent of the triangles: Fig. 11 of Sacht and "
                          "Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
     for pair in pairs:
-        table.rows.append([pair.scene, results.sizes(pair.case), tables.number(100 * results.share(pair.case)),
-                           f"{cases.counters['subdivisions'][pair.case]:,}", *[tables.number(100 * share) for share in pair.shares]])
+        table.rows.append([pair.scene, results.sizes(pair.case), numerals.number(100 * results.share(pair.case)),
+                           f"{cases.counters['subdivisions'][pair.case]:,}", *[numerals.number(100 * share) for share in pair.shares]])
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]
     table.verdicts = [*verdicts(pairs), *[thin(pair, shapes.mesh(results, cases.source[pair.case])) for pair in pairs]]
@@ -137,7 +137,7 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
         mesh_picture.draw(middle, far, eye, plt.get_cmap("viridis")(scale(100 * far.colours / diagonal)), both_sides=not a.closed)
         middle.set_title("A: distance to B")
         figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=middle, shrink=0.7, pad=0.01, extend="max").set_label(
-            f"% of the diagonal, square-root scale;\nthe largest: {tables.number(100 * float(far.distances.max()) / diagonal)}")
+            f"% of the diagonal, square-root scale;\nthe largest: {numerals.number(100 * float(far.distances.max()) / diagonal)}")
         b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
         witness = eye.seen(farthest)

@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES
 from analysis.shared.comparable import Origin, apart, origin, origins
 from analysis.shared.load import paper_numbers
@@ -120,9 +120,9 @@ def make(results: Results) -> Report:
         f"the diagonal of A; mean over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
         ["solver", *[f"1e-{k}" for k in range(1, 9)], "paper, 1e-8"])
     for solver, label in labels:
-        row = [tables.NOTHING if (label, t) not in asked else tables.estimate(average[label, t], 1e3) if average[label, t].n
+        row = [numerals.NOTHING if (label, t) not in asked else numerals.estimate(average[label, t], 1e3) if average[label, t].n
                else f"{reached[label, t]} of {len(scenes)}" for t in TOLERANCES]
-        table.rows.append([style.title(solver, label), *row, tables.number(paper.get(label, np.nan) * 1e3)])
+        table.rows.append([style.title(solver, label), *row, numerals.number(paper.get(label, np.nan) * 1e3)])
     table.verdicts = verdicts(found, scenes)
     table.notes = [
         "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
@@ -172,8 +172,8 @@ def tracing_cost(results: Results) -> str:
             ratios.append(float(results.trace_of(int(case)).seconds[-1]) / time.value)
     if not ratios:
         return "This file does not say what tracing costs."
-    return (f"Traced runs took {tables.number(float(np.median(ratios)))} times as long as timed ones "
-            f"(median of {len(ratios)}; {tables.number(min(ratios))} to {tables.number(max(ratios))}).")
+    return (f"Traced runs took {numerals.number(float(np.median(ratios)))} times as long as timed ones "
+            f"(median of {len(ratios)}; {numerals.number(min(ratios))} to {numerals.number(max(ratios))}).")
 
 
 def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, float], Estimate],

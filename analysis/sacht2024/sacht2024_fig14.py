@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
 from analysis.sacht2024.sacht_pairs import percent
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.notes import clock_word, machine_line, scene_notes, total_title
 from analysis.shared.report import Report
@@ -85,7 +85,7 @@ def make(results: Results) -> Report:
         row = results.rows(scene=x.scene)[0]
         share = results.share(row)
         table.rows.append([x.scene, results.sizes(row), percent(share), f"{x.tolerance:g}",
-                           *[each.text(scale) if each else tables.NOTHING for each in (x.slow, x.fast)], x.ratio.text(),
+                           *[each.text(scale) if each else numerals.NOTHING for each in (x.slow, x.fast)], x.ratio.text(),
                            *[x.counted(what).text() for what in MEASURES]])
         records.append({"scene": x.scene, "tolerance": x.tolerance, "share": share, "ratio": x.ratio.estimate.value,
                         "ratio_low": x.ratio.estimate.low, "ratio_high": x.ratio.estimate.high, "ratio_at_least": x.ratio.at_least,

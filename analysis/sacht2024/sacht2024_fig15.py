@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Row, above, ratio_of, row_of, time_ratio
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import in_time_and_work
 from analysis.shared.notes import machine_line, scene_notes, total_title, total_word
 from analysis.shared.report import Report
@@ -65,16 +65,16 @@ def make(results: Results) -> Report:
                 found, diagonal = row_of(results, row), float(cases.source_diagonal[row])
                 low, high = float(cases.lower[row]) / diagonal, float(cases.upper[row]) / diagonal
                 work = found.work["distances, bounds and nodes"]
-                table.rows.append([scene, style.title(solver, label), f"{t:g}", tables.at_least(cases.lower[row], 5, over=diagonal),
-                                   tables.at_most(cases.upper[row], 5, over=diagonal),
-                                   found.text(1e3), f"{work:,.0f}" if work else tables.NOTHING,
-                                   f"{cases.counters['subdivisions'][row]:,}" if work else tables.NOTHING,
+                table.rows.append([scene, style.title(solver, label), f"{t:g}", numerals.at_least(cases.lower[row], 5, over=diagonal),
+                                   numerals.at_most(cases.upper[row], 5, over=diagonal),
+                                   found.text(1e3), f"{work:,.0f}" if work else numerals.NOTHING,
+                                   f"{cases.counters['subdivisions'][row]:,}" if work else numerals.NOTHING,
                                    ratio.text() if t == FINE else ""])
                 records.append({"scene": scene, "label": label, "tolerance": t, "status": found.status, "lower": low, "upper": high,
                                 "seconds": found.time.value, "low_seconds": found.time.low, "high_seconds": found.time.high,
                                 "stopped_seconds": found.limit, "work": work})
-    table.rows.append(["paper", style.title("sacht"), f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
-    table.rows.append(["paper", style.title("sacht"), f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", style.title("sacht"), f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [numerals.NOTHING]])
+    table.rows.append(["paper", style.title("sacht"), f"{FINE:g}", numerals.NOTHING, numerals.NOTHING, "> 180000", *3 * [numerals.NOTHING]])
     table.verdicts = verdicts(results, rows)
     table.notes = [*scene_notes(results),
                    "Neither pair is the paper's (model 104606 of Thingi10K and its half), but the meshes of each are as near to each other, by design.",
@@ -124,7 +124,7 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
                     ax.text(0.98, at, f"{style.status_word(found.status)}, {t:g}", fontsize=6, ha="right", va="center",
                             transform=ax.get_yaxis_transform(), color="#333333")
         share = results.share(results.rows(scene=scene)[0])
-        ax.set_title(f"{scene}: h / dA = {tables.number(share, 2)}")
+        ax.set_title(f"{scene}: h / dA = {numerals.number(share, 2)}")
         ax.set_xscale("log")
         scales.log_ticks(ax.xaxis)
         ax.set_xlabel(f"{clock} (ms)")

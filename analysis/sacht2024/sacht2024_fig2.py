@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import reason_apart
 from analysis.shared.notes import clock_word, machine_line, total_word
@@ -133,9 +133,9 @@ def make(results: Results) -> Report:
         table.rules |= {len(table.rows)} if (low, high) == (0, 10**12) else set()
         table.rows.append([size_text(low, high), str(len(part)), str(found.over(SLOW, part)), str(found.over(FAST, part)),
                            *numbers_of(found.ratios("", part)),
-                           *[tables.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES]])
-    table.rows.append(["paper", "9,971", "38", "1", tables.NOTHING, "16 (kind of mean not stated)",
-                       *[tables.NOTHING] * (3 + len(MEASURES))])
+                           *[numerals.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES]])
+    table.rows.append(["paper", "9,971", "38", "1", numerals.NOTHING, "16 (kind of mean not stated)",
+                       *[numerals.NOTHING] * (3 + len(MEASURES))])
     table.verdicts = verdicts(found)
     table.notes = [*notes(found),
                    "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's decimation. "
@@ -162,9 +162,9 @@ def size_text(low: int, high: int) -> str:
 
 def numbers_of(ratios: Sequence[float]) -> list[str]:
     if not ratios:
-        return [tables.NOTHING] * 5
-    return [tables.estimate(geometric_mean(ratios)), tables.estimate(arithmetic_mean(ratios)), tables.number(min(ratios)),
-            tables.number(max(ratios)), tables.number(100 * sum(x > 1 for x in ratios) / len(ratios))]
+        return [numerals.NOTHING] * 5
+    return [numerals.estimate(geometric_mean(ratios)), numerals.estimate(arithmetic_mean(ratios)), numerals.number(min(ratios)),
+            numerals.number(max(ratios)), numerals.number(100 * sum(x > 1 for x in ratios) / len(ratios))]
 
 
 def notes(found: Pairs) -> list[str]:
@@ -178,8 +178,8 @@ def notes(found: Pairs) -> list[str]:
                  for pair in left[:8]]
         text += f"Left out: {', '.join(shown)}" + (f" and {len(left) - 8} more" if len(left) > 8 else "") + "."
     ranked = sorted((pair for pair in found.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio)
-    ends = [f"{pair.scene} {tables.number(pair.ratio())} ({tables.number(1e3 * pair.seconds(SLOW))} against "
-            f"{tables.number(1e3 * pair.seconds(FAST))} ms)" for pair in [*ranked[-3:][::-1], *ranked[:1]]]
+    ends = [f"{pair.scene} {numerals.number(pair.ratio())} ({numerals.number(1e3 * pair.seconds(SLOW))} against "
+            f"{numerals.number(1e3 * pair.seconds(FAST))} ms)" for pair in [*ranked[-3:][::-1], *ranked[:1]]]
     lines = [text.strip(), *([f"The three greatest ratios and the least: {'; '.join(ends)}."] if len(ranked) > 3 else [])]
     if found.lost:
         some = "; ".join(f"{scene}: {why}" for scene, why in list(found.lost.items())[:3])

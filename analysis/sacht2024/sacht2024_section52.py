@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -50,7 +50,7 @@ def text(results: Results, row: int) -> str:
         return found
     cases, status = results.cases, results.cases.status[row]
     gap = results.gap(row) / float(cases.source_diagonal[row])
-    return f"{'ends' if status == 'ok' else style.status_word(status)}, gap {tables.number(gap, 2)}"
+    return f"{'ends' if status == 'ok' else style.status_word(status)}, gap {numerals.number(gap, 2)}"
 
 
 def certified(results: Results, scene: str) -> list[int]:
@@ -91,11 +91,11 @@ def make(results: Results) -> Report:
                          ["scene", "the paper's program", "tolerance", "h / dA", *[style.title(*label) for label in labels]], left=2)
     for scene in scenes:
         first = results.rows(scene=scene)[0]
-        known = tables.bounds(*results.reference(scene), 4, over=float(cases.source_diagonal[first]))
+        known = numerals.bounds(*results.reference(scene), 4, over=float(cases.source_diagonal[first]))
         for t in sorted({float(cases.tolerance[row]) for row in results.rows(scene=scene)}):
-            cells = [text(results, rows[0]) if (rows := results.rows(scene=scene, label=label, tolerance=t)) else tables.NOTHING
+            cells = [text(results, rows[0]) if (rows := results.rows(scene=scene, label=label, tolerance=t)) else numerals.NOTHING
                      for _, label in labels]
-            table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", known, *cells])
+            table.rows.append([scene, THEIRS.get(scene, numerals.NOTHING), f"{t:g}", known, *cells])
     table.verdicts = verdicts(results)
     table.notes = [*scene_notes(results),
                    "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', 'budget spent': "

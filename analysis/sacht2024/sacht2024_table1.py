@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
 from analysis.sacht2024.sacht_pairs import named, percent
-from analysis.shared import shapes, style, tables
+from analysis.shared import numerals, shapes, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import NO_TIMES, Report
@@ -20,7 +20,7 @@ def topology(results: Results, model: str) -> str:
     try:
         found = shapes.mesh(results, model)
     except ResultError:
-        return tables.NOTHING
+        return numerals.NOTHING
     return ("closed" if found.closed else "open") + ("" if found.manifold else ", not a manifold")
 
 
@@ -46,8 +46,8 @@ def make(results: Results) -> Report:
         counted = [int(paper[key]) if key in paper else -1 for key in ("source_elements", "target_elements")]
         distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]
         table.rows.append([named(scene), *models, *shapes, *[f"{n:,}" for n in sizes],
-                           *[f"{n:,}" if n >= 0 else tables.NOTHING for n in counted],
-                           tables.number(float(cases.source_diagonal[row])), *map(percent, distances)])
+                           *[f"{n:,}" if n >= 0 else numerals.NOTHING for n in counted],
+                           numerals.number(float(cases.source_diagonal[row])), *map(percent, distances)])
         records.append({"scene": scene, "source": models[0], "target": models[1], "source_is": shapes[0], "target_is": shapes[1],
                         "source_elements": sizes[0], "target_elements": sizes[1], "paper_source_elements": counted[0],
                         "paper_target_elements": counted[1], "source_diagonal": float(cases.source_diagonal[row]),

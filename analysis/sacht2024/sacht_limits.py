@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style
 from analysis.shared.cells import MEASURES
 from analysis.shared.comparable import Origin, apart, origins
 from analysis.shared.results import Results
@@ -37,8 +37,8 @@ class Row:
 
     def text(self, scale: float) -> str:
         if self.ended:
-            return tables.estimate(self.time, scale)
-        return f"> {tables.number(self.limit * scale)}" if self.limit else style.status_word(self.status)
+            return numerals.estimate(self.time, scale)
+        return f"> {numerals.number(self.limit * scale)}" if self.limit else style.status_word(self.status)
 
 
 def row_of(results: Results, row: int) -> Row:
@@ -61,10 +61,10 @@ class Bounded:
 
     def text(self) -> str:
         if self.estimate.n:
-            return tables.ratio(self.estimate)
+            return numerals.ratio(self.estimate)
         if self.at_least:
-            return f"> {tables.at_least(self.at_least)}"
-        return f"< {tables.at_most(self.at_most)}" if self.at_most < float("inf") else tables.NOTHING
+            return f"> {numerals.at_least(self.at_least)}"
+        return f"< {numerals.at_most(self.at_most)}" if self.at_most < float("inf") else numerals.NOTHING
 
 
 def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
@@ -103,13 +103,13 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
     if x.n:
         scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)
         outcome = OPEN if not scaled.separated else HOLDS if scaled.low > 1 else FAILS
-        return weighed(Verdict(claim, outcome, f"ratio {tables.estimate(x, limit=times)}{against}", ratio=Ratio.of(scaled)), [x])
+        return weighed(Verdict(claim, outcome, f"ratio {numerals.estimate(x, limit=times)}{against}", ratio=Ratio.of(scaled)), [x])
     if ratio.at_least:
         return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
-                       f"ratio above {tables.at_least(ratio.at_least)}, because the slower "
+                       f"ratio above {numerals.at_least(ratio.at_least)}, because the slower "
                        f"was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))
     if ratio.at_most < float("inf"):
         return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
-                       f"ratio below {tables.at_most(ratio.at_most)}, because the faster "
+                       f"ratio below {numerals.at_most(ratio.at_most)}, because the faster "
                        f"was stopped{against}", ratio=Ratio(math.nan, 0.0, ratio.at_most / times))
     return Verdict(claim, UNTESTED, f"no ratio{why([x])}")

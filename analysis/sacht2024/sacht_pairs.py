@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from analysis.shared import beside_paper, style, tables
+from analysis.shared import beside_paper, numerals, style, tables
 from analysis.shared.cells import MEASURES, Grid, count_text, in_time_and_work
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, scene_notes, total_title
@@ -57,7 +57,7 @@ class Pairs(Grid):
 
 def percent(share: float) -> str:
     """Formats a fraction in percent; tiny values, such as a zero with rounding errors, have an exponent."""
-    return tables.number(100 * share)
+    return numerals.number(100 * share)
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def title(pair: Ratio) -> str:
 
 def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results)
-    unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
+    unit, scale = numerals.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
                          "Jacobson 2024, with the counted work.",
                          ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(),
@@ -99,15 +99,15 @@ def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> 
     """Returns the table rows of a scene: times, counted work, and the paper's times."""
     paper = pairs.papers.get(scene, {})
     rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
-             *pairs.texts(scene, scale), *[tables.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]
+             *pairs.texts(scene, scale), *[numerals.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]
     for what, names in MEASURES.items():
         rows.append(["", what, "", "", *[count_text(cell, names) for cell in pairs.row(scene)],
-                     *[tables.ratio(pairs.ratio(scene, *ratio, what)) for ratio in ratios]])
+                     *[numerals.ratio(pairs.ratio(scene, *ratio, what)) for ratio in ratios]])
     if paper:
-        sizes = (f"{paper['source_elements']:,} / {paper['target_elements']:,}" if "source_elements" in paper else tables.NOTHING)
-        rows.append(["", "paper", sizes, tables.NOTHING,
-                     *[f"{paper[label] * scale:.6g}" if label in paper else tables.NOTHING for _, label in pairs.labels],
-                     *[tables.number(paper[a] / paper[b]) if a in paper and b in paper else tables.NOTHING for a, b in ratios]])
+        sizes = (f"{paper['source_elements']:,} / {paper['target_elements']:,}" if "source_elements" in paper else numerals.NOTHING)
+        rows.append(["", "paper", sizes, numerals.NOTHING,
+                     *[f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING for _, label in pairs.labels],
+                     *[numerals.number(paper[a] / paper[b]) if a in paper and b in paper else numerals.NOTHING for a, b in ratios]])
     return rows
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.stats
 from matplotlib.lines import Line2D
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style, tables
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -152,7 +152,7 @@ def curves(results: Results) -> list[Curve]:
 
 def text(x: Interval) -> str:
     """Formats an exponent with its interval: '1.02 [0.98, 1.06]'."""
-    return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {tables.ends(x.low, x.high)}"
+    return numerals.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {numerals.ends(x.low, x.high)}"
 
 
 def short(n: float) -> str:
@@ -180,9 +180,9 @@ def make(results: Results) -> Report:
                      growth(one.sizes, one.peak, LEAST_BYTES)]
             table.rows.append([
                 one.regime, one.title, answered(one),
-                tables.number(1e9 * one.last(one.prepare)), text(grown[0].exponent()), tables.number(1e9 * one.last(one.solve)),
-                text(grown[1].exponent()), tables.number(one.last(one.peak)), text(grown[2].exponent()),
-                tables.number(one.last(one.structures)), tables.number(peak_ratio(beside, one))])
+                numerals.number(1e9 * one.last(one.prepare)), text(grown[0].exponent()), numerals.number(1e9 * one.last(one.solve)),
+                text(grown[1].exponent()), numerals.number(one.last(one.peak)), text(grown[2].exponent()),
+                numerals.number(one.last(one.structures)), numerals.number(peak_ratio(beside, one))])
             records += [record(one, i, grown) for i in range(len(one.sizes))]
             records += [{"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(n), "status": status}
                         for n, status in one.lost]

@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from analysis.scaling.growth import LEAST_BYTES, Curve, Growth, Interval, curves, growth, has_marks, notes, short, tick
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -114,8 +114,8 @@ def forecast(results: Results, one: Curve, memory: float) -> Forecast:
 def text(x: Interval, scale: float) -> str:
     """Formats an interval, scaled: '70 [61, 82]'."""
     if math.isnan(x.value):
-        return tables.NOTHING
-    return f"{tables.number(scale * x.value, 2)} {tables.bounds(x.low, x.high, 2, times=scale)}"
+        return numerals.NOTHING
+    return f"{numerals.number(scale * x.value, 2)} {numerals.bounds(x.low, x.high, 2, times=scale)}"
 
 
 def make(results: Results) -> Report:
@@ -133,9 +133,9 @@ def make(results: Results) -> Report:
     for one in own:
         plan = one.plan
         table.rows.append([
-            one.regime, one.title, text(one.distance, 1), tables.number(2 * EACH * POINT / 1e9), text(one.peak, 1e-9), text(one.seconds, 1),
-            *([str(plan.tasks), short(plan.points), tables.number(plan.margin), text(one.plan_seconds, 1)] if plan
-              else [TOO_WIDE if one.known else tables.NOTHING, *3 * [tables.NOTHING]])])
+            one.regime, one.title, text(one.distance, 1), numerals.number(2 * EACH * POINT / 1e9), text(one.peak, 1e-9), text(one.seconds, 1),
+            *([str(plan.tasks), short(plan.points), numerals.number(plan.margin), text(one.plan_seconds, 1)] if plan
+              else [TOO_WIDE if one.known else numerals.NOTHING, *3 * [numerals.NOTHING]])])
         records.append({"regime": one.regime, "solver": one.title, "each": EACH,
                         **{f"{name}_{end}": getattr(x, end) for name, x in
                            (("distance", one.distance), ("peak_bytes", one.peak), ("seconds", one.seconds), ("tasks_seconds", one.plan_seconds))
@@ -143,18 +143,18 @@ def make(results: Results) -> Report:
                         "tasks": plan.tasks if plan else 0, "points_of_a_task": plan.points if plan else math.nan})
     table.notes = [
         "Brackets: Student's interval of 95 % for one more measurement at that size, if costs keep growing as they did; nothing was measured there.",
-        f"Tasks: the fewest (to one in twenty) that fit in the memory per core of the machine below ({tables.number(memory / cores / 1e9, 2)} GB), at the "
+        f"Tasks: the fewest (to one in twenty) that fit in the memory per core of the machine below ({numerals.number(memory / cores / 1e9, 2)} GB), at the "
         f"upper ends of the forecasts, with points counted {COPIES} times for loading. A task takes a cell of A (of a k-d tree, with equally many points "
         "each) and all points of B within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin. Otherwise, if it is "
         "above the largest exact answer, the task runs again with its answer as margin, and is then exact. The largest exact answer is h(A,B). |B| / |A| is "
         "an estimate for evenly spread points. No program here splits point sets: this is a plan.",
         "All tasks: their number times the forecast for one task, as if they all erred alike; without loading, splitting and tasks that run again.",
         f"{TOO_WIDE}: it takes in more than {MOST_MARGIN:g} times as many points as a cell has, so cells gain little. "
-        f"{tables.NOTHING}: too few sizes are "
+        f"{numerals.NOTHING}: too few sizes are "
         "known for a forecast.",
         f"Left out: {', '.join(left_out)}." if left_out else "",
-        f"The files take {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the tasks): "
-        f"{tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
+        f"The files take {numerals.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the tasks): "
+        f"{numerals.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {numerals.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
         "A process numbers points with 32 bits: at most 2.1G in each set.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
     table.notes = [note for note in table.notes if note]

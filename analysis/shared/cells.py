@@ -17,7 +17,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style
 from analysis.shared.comparable import apart, origins
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
@@ -95,7 +95,7 @@ class Cell:
         return self.count(MEASURES[what]) if what else self.time.value
 
     def text(self, scale: float) -> str:
-        return self.failure_text() if self.failures else tables.estimate(self.time, scale)
+        return self.failure_text() if self.failures else numerals.estimate(self.time, scale)
 
     def failure_text(self) -> str:
         status, count = self.failures.most_common(1)[0]
@@ -133,7 +133,7 @@ def in_time_and_work(judge: Callable[[str], Verdict], counted: Iterable[str] = M
 
 def count_text(cell: Cell | None, names: Sequence[str]) -> str:
     count = cell.count(names) if cell else np.nan
-    return tables.NOTHING if np.isnan(count) else f"{count:,.0f}"
+    return numerals.NOTHING if np.isnan(count) else f"{count:,.0f}"
 
 
 class Grid:
@@ -157,7 +157,7 @@ class Grid:
         return [self.cells.get((scene, label)) for _, label in self.labels]
 
     def texts(self, scene: str, scale: float) -> list[str]:
-        return [cell.text(scale) if cell else tables.NOTHING for cell in self.row(scene)]
+        return [cell.text(scale) if cell else numerals.NOTHING for cell in self.row(scene)]
 
     def titles(self) -> list[str]:
         return [style.title(*pair) for pair in self.labels]

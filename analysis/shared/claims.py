@@ -25,7 +25,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import tables
+from analysis.shared import table_files, tables
 from analysis.shared.verdicts import OUTCOMES, Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
@@ -125,7 +125,7 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
 
 def read(path: Path) -> list[Record]:
     """Reads the verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
-    found = tables.read_json(path) if path.exists() else []
+    found = table_files.read_json(path) if path.exists() else []
     for one in found:
         if not _is_record(one):
             raise ValueError(f"{path}: '{str(one)[:60]}' is not a verdict: write it again with 'hausbench draw'")

@@ -6,13 +6,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from analysis.shared import tex
 from analysis.shared.table_width import GAP, Block, Layout, layout, unbroken
-
-if TYPE_CHECKING:
-    from analysis.shared.tables import Table
+from analysis.shared.tables import Table
 
 NOTE_WORDS: Final = 120
 NEEDS: Final = r"% needs \usepackage{booktabs,array,longtable,rotating,pdflscape,adjustbox}"

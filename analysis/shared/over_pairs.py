@@ -17,7 +17,7 @@ import scipy.optimize
 import scipy.special
 import scipy.stats
 
-from analysis.shared import tables
+from analysis.shared import numerals
 from analysis.shared.columns import Floats
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict, weighed, why
@@ -95,7 +95,7 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with both")
     known = mean.has_interval and mean.coverage >= CONFIDENCE
     outcome = HOLDS if known and mean.low >= bar else FAILS if known and mean.high < bar else OPEN
-    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(mean, limit=bar)} over {mean.n} pairs", ratio=Ratio.of(mean, bar)), [mean])
+    return weighed(Verdict(claim, outcome, f"{what} {numerals.estimate(mean, limit=bar)} over {mean.n} pairs", ratio=Ratio.of(mean, bar)), [mean])
 
 
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:
@@ -123,7 +123,7 @@ def share_near(claim: str, count: int, of: int, share: float, within: float) -> 
     inside = share - within <= found.low and found.high <= share + within
     outside = found.high < share - within or found.low > share + within
     return Verdict(claim, HOLDS if inside else FAILS if outside else OPEN,
-                   f"{count} of {of} pairs, {tables.number(100 * count / of)} % {tables.bounds(found.low, found.high, times=100)}; near means within "
+                   f"{count} of {of} pairs, {numerals.number(100 * count / of)} % {numerals.bounds(found.low, found.high, times=100)}; near means within "
                    f"{100 * within:g} points")
 
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.transforms import Bbox
 
-from analysis.shared import claims, missing, sizes, style, tables, unlike
+from analysis.shared import claims, missing, sizes, style, table_files, tables, unlike
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.panels import add_letters
@@ -57,10 +57,10 @@ class Report:
         stem = stem or results.stem
         table, paths = self.printed(results, stem), list[Path]()
         if table is not None:
-            paths = tables.save(table, self.records, out, stem)
+            paths = table_files.save(table, self.records, out, stem)
             if table.verdicts:
                 found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
-                paths.append(tables.save_json(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
+                paths.append(table_files.save_json(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
         if not self.draw:
             delete_figures(out, stem, formats)
             return [*paths, *save_caption("", out, stem)]
@@ -88,7 +88,7 @@ def save_caption(caption: str, out: Path, stem: str) -> list[Path]:
         path.unlink(missing_ok=True)
         return []
     path.parent.mkdir(parents=True, exist_ok=True)
-    tables.write_whole(path, printable(caption) + "\n")
+    table_files.write_whole(path, printable(caption) + "\n")
     return [path]
 
 
@@ -102,7 +102,7 @@ def save_png(figure: Any, path: Path) -> Path:
     make_drawable(figure)
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", metadata={"Software": None})
-    tables.write_whole(path, drawn.getvalue())
+    table_files.write_whole(path, drawn.getvalue())
     plt.close(figure)
     return path
 
@@ -152,7 +152,7 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
             drawn = io.BytesIO()  # in memory first, because matplotlib's PDF writer fails to close on a full disk
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
                 figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches=_whole(figure) if footnote else None)
-            tables.write_whole(path, drawn.getvalue())
+            table_files.write_whole(path, drawn.getvalue())
     finally:
         if before is None:
             del os.environ["SOURCE_DATE_EPOCH"]

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import claims, missing, sizes, tables
+from analysis.shared import claims, missing, sizes, table_files
 from analysis.shared.load import REFERENCE
 from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import UNTESTED, Verdict
@@ -88,4 +88,4 @@ def keep(results: Results) -> None:
     new = {str(name): str(sha256) for name, sha256, source in zip(*columns) if source == "derived" and name not in before}
     if new:
         lines = [f"{sha256}  {model}" if model else sha256 for model, sha256 in sorted(({"": _cgal(results)} | before | new).items())]
-        tables.write_whole(LIST, "\n".join(lines) + "\n")
+        table_files.write_whole(LIST, "\n".join(lines) + "\n")

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 import scipy.stats
 
-from analysis.shared import tables
+from analysis.shared import numerals
 from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 
 HOLDS: Final = "holds"
@@ -93,7 +93,7 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     hopeless = simes(x.p_least for x in known) > ERROR
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
         + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}{why(ratios)}"] * bool(lost) \
-        + [f"ratio {tables.bounds(least, most, limit=1.0, form='{} to {}')}"] + [power_of(known, what)] * (outcome == OPEN)
+        + [f"ratio {numerals.bounds(least, most, limit=1.0, form='{} to {}')}"] + [power_of(known, what)] * (outcome == OPEN)
     verdict = Verdict(claim, outcome, ", ".join(part for part in parts if part), ratio=Ratio(math.nan, least, most))
     return weighed(verdict, known if hopeless else [])
 
@@ -129,7 +129,7 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
     outcome = HOLDS if simes(above[n // 2:]) <= ERROR else FAILS if simes(below[(n + 1) // 2 - 1:]) <= ERROR else OPEN
     clear = [sum(chance <= ERROR / 2 for chance in chances) for chances in (above, below)]
     verdict = Verdict(claim, outcome, f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
-                      f"ratio {tables.number(min(known))} to {tables.number(max(known))}", ratio=Ratio(math.nan, min(known), max(known)))
+                      f"ratio {numerals.number(min(known))} to {numerals.number(max(known))}", ratio=Ratio(math.nan, min(known), max(known)))
     return weighed(verdict, ratios if simes(sorted(x.p_least for x in ratios)[n // 2:]) > ERROR else [])
 
 
@@ -151,7 +151,7 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     if not ratio.n:
         return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
-    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(ratio, limit=1.0)}", ratio=Ratio.of(ratio)), [ratio])
+    return weighed(Verdict(claim, outcome, f"{what} {numerals.estimate(ratio, limit=1.0)}", ratio=Ratio.of(ratio)), [ratio])
 
 
 def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
@@ -169,9 +169,9 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
     trials = of if independent is None else independent
     rate = scipy.stats.binomtest(0, trials, alternative="less").proportion_ci(1 - ERROR, method="exact").high
     return Verdict(claim, NOT_REFUTED if rate < bar else OPEN,
-                   f"0 of {of:,} {what}; the rate is below {tables.at_most(rate, 2, times=100)} % at 95 %"
+                   f"0 of {of:,} {what}; the rate is below {numerals.at_most(rate, 2, times=100)} % at 95 %"
                    + (f", from {trials} independent trials" if trials != of else "")
-                   + (f", against {tables.number(100 * bar, 2)} % {against}" if against else ""))
+                   + (f", against {numerals.number(100 * bar, 2)} % {against}" if against else ""))
 
 
 def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
@@ -197,7 +197,7 @@ def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
     if math.isnan(tau):  # all x or all y are equal
         tau, chance = 0.0, 1.0
     outcome = OPEN if chance > ERROR else HOLDS if tau > 0 else FAILS
-    return Verdict(claim, outcome, f"Kendall's tau {tau:.2f} over {len(x)}, p = {tables.number(chance, 2)}")
+    return Verdict(claim, outcome, f"Kendall's tau {tau:.2f} over {len(x)}, p = {numerals.number(chance, 2)}")
 
 
 def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[float]]]) -> Verdict:
@@ -211,7 +211,7 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
     tau = median(taus)
     known = tau.has_interval and tau.coverage >= 1 - ERROR
     outcome = HOLDS if known and tau.low > 0 else FAILS if known and tau.high < 0 else OPEN
-    return weighed(Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau, limit=0.0)}, over {tau.n} independent runs"), [tau])
+    return weighed(Verdict(claim, outcome, f"Kendall's tau {numerals.estimate(tau, limit=0.0)}, over {tau.n} independent runs"), [tau])
 
 
 def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
@@ -229,9 +229,9 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
     most = max(x.high for x in known) / min(x.low for x in known)
     sure = sum(1 - x.coverage for x in found) <= ERROR
     outcome = OPEN if not sure else HOLDS if most <= within else FAILS if least > within else OPEN
-    return Verdict(claim, outcome, f"from {tables.number(min(x.value for x in known))} to "
-                   f"{tables.number(max(x.value for x in known))}, a factor of {tables.number(factor)}"
-                   + (f" {tables.bounds(least, most, limit=within)}" if sure else "")
+    return Verdict(claim, outcome, f"from {numerals.number(min(x.value for x in known))} to "
+                   f"{numerals.number(max(x.value for x in known))}, a factor of {numerals.number(factor)}"
+                   + (f" {numerals.bounds(least, most, limit=within)}" if sure else "")
                    + f"; constant means within {within:g}")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
@@ -58,19 +58,19 @@ def make(results: Results) -> Report:
         one = published["pruned pairs", "modified_affine", depth]
         every = published.get(("all pairs", "modified_affine", depth))
         forms = [published.get(("pruned pairs", form, depth)) for form in FORMS]
-        table.rows.append([f"{2**depth}³", tables.at_least(one.lower, 8), tables.at_most(one.upper, 8), tables.number(one.upper - one.lower),
+        table.rows.append([f"{2**depth}³", numerals.at_least(one.lower, 8), numerals.at_most(one.upper, 8), numerals.number(one.upper - one.lower),
                            "yes" if one.lower <= exact <= one.upper else "no",
-                           *[f"{f.evaluations:,}" if f else tables.NOTHING for f in forms],
-                           tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
-                           tables.number(every.solve) if every else tables.NOTHING,
-                           f"{every.distances:,}" if every else tables.NOTHING])
+                           *[f"{f.evaluations:,}" if f else numerals.NOTHING for f in forms],
+                           numerals.number(one.prepare), numerals.number(one.solve), f"{one.distances:,}",
+                           numerals.number(every.solve) if every else numerals.NOTHING,
+                           f"{every.distances:,}" if every else numerals.NOTHING])
     rule = len(table.rows)
     for tolerance in sorted(ours, reverse=True):
         one = ours[tolerance]
-        table.rows.append([f"ours, {tolerance:g}", tables.at_least(one.lower, 10), tables.at_most(one.upper, 10),
-                           tables.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
-                           *3 * [tables.NOTHING], f"{one.evaluations:,}", tables.number(one.prepare),
-                           tables.number(one.solve), f"{one.distances:,}", tables.NOTHING, tables.NOTHING])
+        table.rows.append([f"ours, {tolerance:g}", numerals.at_least(one.lower, 10), numerals.at_most(one.upper, 10),
+                           numerals.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
+                           *3 * [numerals.NOTHING], f"{one.evaluations:,}", numerals.number(one.prepare),
+                           numerals.number(one.solve), f"{one.distances:,}", numerals.NOTHING, numerals.NOTHING])
         records.append({"method": "surface_enclosure", "tolerance": tolerance, **one.record()})
     table.rules = {rule}
     table.verdicts = verdicts(published, exact)

@@ -8,7 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
@@ -65,18 +65,18 @@ def make(results: Results) -> Report:
         ["method", "lower", "upper", "midpoint", "half-width", "subdivision, s", "distances, s", "box distances",
          "fewer than all pairs", "polynomial bounds"])
     table.rows.append(["paper", f"{paper['lower']:.10f}", f"{paper['upper']:.10f}", f"{paper['midpoint']:.11f}",
-                       f"{paper['error']:.11f}", tables.NOTHING, f"{paper['seconds']}{'?' * doubtful} (all)", *3 * [tables.NOTHING]])
+                       f"{paper['error']:.11f}", numerals.NOTHING, f"{paper['seconds']}{'?' * doubtful} (all)", *3 * [numerals.NOTHING]])
     records: list[tables.Record] = []
     for solver, label, tolerance in methods:
         one = found[label, tolerance]
         ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
         title = title_of(solver, label, tolerance)
         table.rows.append([title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
-                           tables.at_least(one.lower, 10), tables.at_most(one.upper, 10),
+                           numerals.at_least(one.lower, 10), numerals.at_most(one.upper, 10),
                            f"{(one.lower + one.upper) / 2:.11f}", f"{(one.upper - one.lower) / 2:.3e}"
                            if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
-                           tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
-                           tables.number(ratio), f"{one.evaluations:,}"])
+                           numerals.number(one.prepare), numerals.number(one.solve), f"{one.distances:,}",
+                           numerals.number(ratio), f"{one.evaluations:,}"])
         records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
                         "paper_lower": paper["lower"], "paper_upper": paper["upper"],
                         "paper_seconds": float("nan") if doubtful else paper["seconds"]})
@@ -107,7 +107,7 @@ def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) ->
         return " as it was recognised, possibly with a lost decimal point, so no ratio of times is given."
     if here is None:
         return "."
-    return (f". All pairs took {tables.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances put that in "
+    return (f". All pairs took {numerals.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances put that in "
             "perspective: the same work, in compiled code on another machine.")
 
 

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.drawable import as_formula
 from analysis.shared.notes import machine_line
@@ -88,9 +88,9 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
     low, high = float(cases.lower[row]), float(cases.upper[row])
     word = "stalled" if cases.solver_status[row] == "stalled" else style.status_word(status)
     if not (np.isfinite(low) and np.isfinite(high)):
-        return [word, tables.NOTHING]
+        return [word, numerals.NOTHING]
     said = ("" if status == "ok" else f" ({word})") + ("" if holds(results, row, exact) else ", misses h")
-    return [f"{tables.bounds(low, high, 6)}{said}", tables.number(median(results.total_seconds(row)).value)]
+    return [f"{numerals.bounds(low, high, 6)}{said}", numerals.number(median(results.total_seconds(row)).value)]
 
 
 def holds_distance(results: Results) -> Verdict:
@@ -111,25 +111,25 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for scene in scenes:
         exact = float(cases.exact[results.rows(scene=scene)[0]])
-        cells, checks, off = [scene, tables.number(exact, 6)], set[str](), 2 * [tables.NOTHING]
+        cells, checks, off = [scene, numerals.number(exact, 6)], set[str](), 2 * [numerals.NOTHING]
         for solver, label in labels:
             rows = results.rows(scene=scene, label=label)
             if not rows:
-                cells += 2 * [tables.NOTHING]
+                cells += 2 * [numerals.NOTHING]
                 continue
             row, extras = rows[0], results.extras(rows[0])
             cells += cells_of(results, row, exact)
             if cases.certified[row] == 1 and np.isfinite([cases.lower[row], cases.upper[row]]).all():
                 checks.add(results.check_of(row))
             if "mesh_a_to_surface" in extras:
-                off = [tables.at_most(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
+                off = [numerals.at_most(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
                        for m in "ab"]
             records.append({"scene": scene, "solver": solver, "label": label, "status": cases.status[row], "solver_status": cases.solver_status[row],
                             "h": exact, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "holds": int(holds(results, row, exact)),
                             "lower_check": results.check_of(row),
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
-        table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
+        table.rows.append([*cells, ", ".join(sorted(checks)) or numerals.NOTHING, *off])
     table.verdicts = [holds_distance(results)]
     table.notes = [
         "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. 'stalled': the bounds hold but "

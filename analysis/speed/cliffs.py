@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 
-from analysis.shared import claims, style, tables, verdicts
+from analysis.shared import claims, numerals, style, tables, verdicts
 from analysis.shared.cells import takes_seed
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -47,7 +47,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
         factor, worst, family = max(((*largest(rows, "work"), family) for family, rows in known.items()),
                                     key=lambda found: found[0])
         assert worst is not None
-        evidence.insert(0, f"in {len(known)} kind{'s' if len(known) > 1 else ''} of scene, largest {tables.number(factor)} times, "
+        evidence.insert(0, f"in {len(known)} kind{'s' if len(known) > 1 else ''} of scene, largest {numerals.number(factor)} times, "
                         f"{FAMILIES[family].title} at ratio {power(worst.ratio)}")
     outcome = verdicts.FAILS if lost or factor > MOST else verdicts.UNTESTED if unknown else verdicts.HOLDS
     return Verdict(text, outcome, "; ".join(evidence))
@@ -60,7 +60,7 @@ def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list
         factor, start = largest(rows, "work")[0], flat_from(rows)
         if not key.endswith("_away") or not factor > MOST or start is None or start is rows[0]:
             continue
-        text = (f"{FAMILIES[key].title}: the work of {titles[label]} grows {tables.number(factor)} times and is flat from ratio "
+        text = (f"{FAMILIES[key].title}: the work of {titles[label]} grows {numerals.number(factor)} times and is flat from ratio "
                 f"{power(start.ratio)} on")
         far = rows[rows.index(start):]
         if results.cases.solver[start.case] == "ohd" and nodes is not None and nodes[rows[0].case] > 0 \
@@ -104,7 +104,7 @@ def make(results: Results) -> Report:
         *away_notes(results, curves, titles),
         "Time: preparing and solving. Ratio: a distance in the scene over the diagonal of the rest of it; base over height "
         "of a needle; degree of a surface, from 4 on; 1 / tolerance, from 10 on. A case may take "
-        f"{tables.number(float(results.cases.case_seconds_limit[0]))} s.",
+        f"{numerals.number(float(results.cases.case_seconds_limit[0]))} s.",
         f"Measured on {machine_line(results)}."]
     return Report(lambda: cliffs_picture.draw(curves, labels), table, records)
 
@@ -115,10 +115,10 @@ def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:
 
 
 def table_cells(rows: Sequence[Row]) -> list[str]:
-    cells = [f"{rows[0].work:,.0f}" if not math.isnan(rows[0].work) else tables.NOTHING]
+    cells = [f"{rows[0].work:,.0f}" if not math.isnan(rows[0].work) else numerals.NOTHING]
     for what in ("work", "seconds"):
         factor, worst = largest(rows, what)
-        cells += [tables.number(factor), power(worst.ratio) if worst else tables.NOTHING]
+        cells += [numerals.number(factor), power(worst.ratio) if worst else numerals.NOTHING]
     return cells + (lost_text(Counter(row.status for row in rows if row.status != "ok")) or [""])
 
 

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import Cell, compare
 from analysis.shared.comparable import Origin, apart
 from analysis.shared.notes import clock_note, machine_line
@@ -84,7 +84,7 @@ def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
     if not answered:
         return Verdict(claim, UNTESTED, f"no pair answered at {FINE:g}")
     verdict, unended, bound = above_one(claim, mean_ratio(answered, AIM)), len(asked) - len(answered), max(widths) > 1.01 * FINE
-    evidence = f"{'at least ' * bound}{tables.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
+    evidence = f"{'at least ' * bound}{numerals.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
     if bound:
         evidence += f"; Monte Carlo was run to a width of {max(widths):g}, which takes less time"
     if unended:
@@ -129,9 +129,9 @@ def make(results: Results) -> Report:
         for i, tolerance in enumerate(tolerances):
             ours, rival = cells.get((scene, OURS, tolerance)), cells.get((scene, RIVAL, tolerance))
             ratio = compare(rival, ours) if ours and rival else NO_DATA
-            head = [pair_of(results, first), TITLES.get(cases.statistic[first], cases.statistic[first]), tables.number(results.share(first))]
-            table.rows.append([*(head if i == 0 else ["", "", ""]), tables.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
-                               text(rival), counted(results, rival, "samples"), tables.estimate(ratio)])
+            head = [pair_of(results, first), TITLES.get(cases.statistic[first], cases.statistic[first]), numerals.number(results.share(first))]
+            table.rows.append([*(head if i == 0 else ["", "", ""]), numerals.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
+                               text(rival), counted(results, rival, "samples"), numerals.estimate(ratio)])
         for row in results.rows(scene=scene):
             if cases.solver[row] not in (OURS, RIVAL):
                 continue
@@ -147,13 +147,13 @@ def make(results: Results) -> Report:
 
 
 def text(cell: Cell | None) -> str:
-    return cell.text(1e3) if cell else tables.NOTHING
+    return cell.text(1e3) if cell else numerals.NOTHING
 
 
 def counted(results: Results, cell: Cell | None, name: str) -> str:
     """Returns the number of pieces or samples of a cell."""
     value = results.extras(cell.cases[0]).get(name, np.nan) if cell else np.nan
-    return tables.NOTHING if np.isnan(value) else f"{value:,.0f}"
+    return numerals.NOTHING if np.isnan(value) else f"{value:,.0f}"
 
 
 def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
@@ -166,7 +166,7 @@ def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
         for (t, a), (u, b) in zip(zip(shared, logs), list(zip(shared, logs))[1:]):
             if a < 0 <= b:
                 at = np.exp(np.log(t) + (np.log(u) - np.log(t)) * -a / (b - a))
-                found.append(f"{TITLES.get(statistic, statistic)}: {tables.number(float(at), 2)}")
+                found.append(f"{TITLES.get(statistic, statistic)}: {numerals.number(float(at), 2)}")
     return [f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."] if found else []
 
 
@@ -213,8 +213,8 @@ def extrapolated_rival(results: Results, cells: dict[Key, Cell]) -> list[str]:
     if not factors:
         return []
     return [f"The time of {style.title(RIVAL)} grows like width^{max(powers):.2f} to width^{min(powers):.2f}. Extrapolated to a width of {FINE:g}, it takes the mean about "
-            f"{tables.number(float(scipy.stats.gmean(factors)), 2)} times as long as {style.title(OURS)} (geometric mean over {len(factors)} pairs; {tables.number(min(factors), 2)} to "
-            f"{tables.number(max(factors), 2)})."]
+            f"{numerals.number(float(scipy.stats.gmean(factors)), 2)} times as long as {style.title(OURS)} (geometric mean over {len(factors)} pairs; {numerals.number(min(factors), 2)} to "
+            f"{numerals.number(max(factors), 2)})."]
 
 
 def statistics_of(results: Results) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style
 from analysis.shared.columns import Floats
 from analysis.shared.drawable import make_drawable
 from analysis.shared.results import Results
@@ -307,7 +307,7 @@ def _key(bands: list[tuple[str, list[Shown]]]) -> str:
         parts.append("Small: read off the traced run.")
     if any(not answer.ok for answer in answers):
         parts.append("Open: the tolerance was not reached.")
-    parts.append(f"Grey area: less than the width of the reference, or {tables.number(shown[0].least, 1)}.")
+    parts.append(f"Grey area: less than the width of the reference, or {numerals.number(shown[0].least, 1)}.")
     if letters := style.letters_key({status for one in shown for _, status, _ in one.lost}):
         parts.append(f"At the right, not ok (a number: at how many tolerances): {letters}.")
     return " ".join(parts)

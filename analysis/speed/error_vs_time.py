@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from analysis import pareto
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.notes import clock_note, measured_on
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -162,7 +162,7 @@ def distances(results: Results, case: int) -> int:
 def error_cells(results: Results, case: int) -> list[str]:
     """Formats the errors of the middle and of the lower bound; '≤ x' if the reference is only known to within x."""
     found, width = error_curves.errors_of(results, case), error_curves.reference_width(results, case)
-    return [f"≤ {tables.at_most(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
+    return [f"≤ {numerals.at_most(width, 1)}" if 0 < width and value <= width else numerals.number(value, 2)
             for value in (float(found.middle[0]), float(found.lower[0]))]
 
 
@@ -175,13 +175,13 @@ def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) ->
     why = ", ".join(f"{len(at)} {style.status_word(status)}" for status, at in asked.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
-        return [tables.NOTHING] * 7 + [why]
+        return [numerals.NOTHING] * 7 + [why]
     case = min(bounded, key=lambda r: float(results.cases.tolerance[r]))
     time = error_curves.over_seeds(results, [r for r in bounded if results.cases.tolerance[r] == results.cases.tolerance[case]])
     cost, counted = cost_of_tracing(results, case), distances(results, case)
-    return [tables.number(float(results.cases.tolerance[case]), 1), tables.estimate(time, 1e3),
-            tables.number(results.gap(case) / results.length_unit(case), 2), *error_cells(results, case),
-            tables.NOTHING if np.isnan(cost) else percent(cost), f"{counted:,}" if counted else tables.NOTHING, why]
+    return [numerals.number(float(results.cases.tolerance[case]), 1), numerals.estimate(time, 1e3),
+            numerals.number(results.gap(case) / results.length_unit(case), 2), *error_cells(results, case),
+            numerals.NOTHING if np.isnan(cost) else percent(cost), f"{counted:,}" if counted else numerals.NOTHING, why]
 
 
 def record(results: Results, case: int, time: Estimate | None) -> tables.Record:

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.stats
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -113,23 +113,23 @@ def make(results: Results) -> Report:
         for error in ERRORS:
             ours = runs.ours(scene, error)
             first = pair_of(results, results.rows(scene=scene)[0])
-            row = [first if error == ERRORS[0] else "", tables.number(error, 1), tables.estimate(median(list(runs.times(ours).values())), 1e3) if ours is not None else tables.NOTHING]
+            row = [first if error == ERRORS[0] else "", numerals.number(error, 1), numerals.estimate(median(list(runs.times(ours).values())), 1e3) if ours is not None else numerals.NOTHING]
             for program, own in runs.programs.items():
                 enough = runs.enough(program, scene, error)
                 if enough is None:
                     largest = own[scene][-1].error if own.get(scene) else np.nan  # without a proven interval, the error is not a number
-                    word = tables.NOTHING if own.get(scene) else style.status_word(runs.failed.get(program, {}).get(scene, ""))
-                    row += [word, tables.NOTHING, tables.NOTHING, tables.NOTHING] if np.isnan(largest) else ["more", tables.number(largest, 2), tables.NOTHING, tables.NOTHING]
+                    word = numerals.NOTHING if own.get(scene) else style.status_word(runs.failed.get(program, {}).get(scene, ""))
+                    row += [word, numerals.NOTHING, numerals.NOTHING, numerals.NOTHING] if np.isnan(largest) else ["more", numerals.number(largest, 2), numerals.NOTHING, numerals.NOTHING]
                     continue
                 ratio = runs.mean_ratio([(enough.row, ours)]) if ours is not None else NO_DATA
-                row += [f"{enough.samples:,}", tables.number(enough.error, 2), tables.estimate(median(list(runs.times(enough.row).values())), 1e3), tables.estimate(ratio)]
+                row += [f"{enough.samples:,}", numerals.number(enough.error, 2), numerals.estimate(median(list(runs.times(enough.row).values())), 1e3), numerals.estimate(ratio)]
             table.rows.append(row)
     records = [{"pair": pair_of(results, run.row), "program": program, "samples": run.samples, "relative_error": run.error, "status": str(results.cases.status[run.row]),
                 **tables.seconds(median(list(runs.times(run.row).values())))} for program, own in runs.programs.items() for found in own.values() for run in found]
     table.verdicts = [judge(runs, program, error) for program in runs.programs for error in ERRORS]
     table.notes += ["The error is the largest difference between the estimate and a value in the proven interval of the mean, divided by the mean. 'more': even the largest number of samples is not "
                     "enough; its error is shown. Times of programs exclude starting them and reading files and, for CloudCompare, sampling. Our times include preparation. "
-                    f"MeshLab's time is a run with the filter less a run without it, and counts as at least {tables.number(1e3 * LEAST)} ms. All run on one core.",
+                    f"MeshLab's time is a run with the filter less a run without it, and counts as at least {numerals.number(1e3 * LEAST)} ms. All run on one core.",
                     f"{machine_line(results)}." if runs.programs else
                     "No program was run. They run in profile paper, if they are installed (Debian packages meshlab, xvfb and cloudcompare)."]
     caption = ("Error of the mean, as a fraction of the mean, against time. A point of a program is one pair of meshes and one number of samples. "

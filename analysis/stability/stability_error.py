@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from analysis.shared import tables
+from analysis.shared import numerals, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -69,10 +69,10 @@ def cells(suite: Suite, own: list[Answer]) -> list[str]:
     silent = sum(math.isnan(error(suite, answer)) for answer in own)
     counts = [f"{count} of {len(own)}" if count else "" for count in (wrong, silent)]
     if worst is None:
-        return [tables.NOTHING] * 4 + counts
+        return [numerals.NOTHING] * 4 + counts
     value, answer = worst
-    return [tables.number(value, 2), severity_text(answer.severity), tables.number(gap(suite, answer), 2),
-            tables.number(floor(suite, answer), 2), *counts]
+    return [numerals.number(value, 2), severity_text(answer.severity), numerals.number(gap(suite, answer), 2),
+            numerals.number(floor(suite, answer), 2), *counts]
 
 
 def record(suite: Suite, family: Family, answer: Answer) -> tables.Record:

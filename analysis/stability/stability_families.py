@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style
 from analysis.shared.results import Results
 from analysis.stability.stability_outcomes import STOPS, Judge, Outcome, judge
 from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
@@ -198,4 +198,4 @@ def range_text(family: Family) -> str:
 def percent(part: int, whole: int) -> str:
     """Formats part / whole: '97.2 %'. At most 99.9 % if part < whole."""
     share = 100 * part / whole
-    return f"{tables.number(min(share, 99.9) if part < whole else share)} %"
+    return f"{numerals.number(min(share, 99.9) if part < whole else share)} %"

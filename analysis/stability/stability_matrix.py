@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from analysis.shared import claims, tables
+from analysis.shared import claims, numerals, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -131,7 +131,7 @@ def table_of(suite: Suite) -> tables.Table:
     for kind in KINDS:
         table.rules.add(len(table.rows))
         for family in suite.of_kind(kind):
-            ends = [severity_text(x) for x in (family.severities[0], family.severities[-1])] if family.has_severities else [tables.NOTHING]
+            ends = [severity_text(x) for x in (family.severities[0], family.severities[-1])] if family.has_severities else [numerals.NOTHING]
             table.rows.append([family.title, " to ".join(dict.fromkeys(ends)), str(len(family.steps)),
                                *[cell(family, label) for _, label in labels]])
     table.verdicts = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
@@ -160,7 +160,7 @@ def _kinds_begin(suite: Suite) -> list[int]:
 
 
 def seconds_text(results: Results) -> str:
-    return ", ".join(f"{tables.number(x)} s" for x in sorted(set(map(float, results.cases.case_seconds_limit))))
+    return ", ".join(f"{numerals.number(x)} s" for x in sorted(set(map(float, results.cases.case_seconds_limit))))
 
 
 def note_of(suite: Suite, family: Family) -> str:

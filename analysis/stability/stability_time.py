@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from analysis.shared import tables
+from analysis.shared import numerals, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -78,15 +78,15 @@ def cells(suite: Suite, own: list[Answer]) -> list[str]:
     for of, scale in ((seconds, 1e3), (work, 1.0)):
         values = [(of(suite, answer), answer) for answer in own]
         most = largest(values)
-        found += [text(values[0][0] * scale, of is work), text(most[0] * scale, of is work) if most else tables.NOTHING,
-                  severity_text(most[1].severity) if most else tables.NOTHING]
+        found += [text(values[0][0] * scale, of is work), text(most[0] * scale, of is work) if most else numerals.NOTHING,
+                  severity_text(most[1].severity) if most else numerals.NOTHING]
     late = sum(ran_out_of_time(suite, answer) for answer in own)
     silent = sum(answer.outcome in (Outcome.HUNG, Outcome.CRASHED, Outcome.REFUSED) for answer in own)
     return found + [f"{count} of {len(own)}" if count else "" for count in (late, silent)]
 
 
 def text(value: float, is_count: bool) -> str:
-    return tables.NOTHING if math.isnan(value) else f"{value:,.0f}" if is_count else tables.number(value)
+    return numerals.NOTHING if math.isnan(value) else f"{value:,.0f}" if is_count else numerals.number(value)
 
 
 def record(suite: Suite, family: Family, answer: Answer) -> tables.Record:

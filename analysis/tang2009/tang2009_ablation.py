@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.comparable import apart
 from analysis.shared.notes import clock_title, clock_word, machine_line
@@ -93,14 +93,14 @@ def make(results: Results) -> Report:
         for i, (label, tolerance) in enumerate(rows):
             run, solver = variants.run(scene, label, tolerance), str(results.cases.solver[results.rows(label=label)[0]])
             compared = tolerance == FINEST and label != PLAIN
-            cells = [tables.NOTHING] * 4
+            cells = [numerals.NOTHING] * 4
             if run:
-                cells = [tables.number(1e3 * float(run.per_pose.sum())), *[f"{run.counted(COUNTED[what]).sum():,.0f}" for what in ("subdivisions", "distances")],
-                         f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else tables.NOTHING]
+                cells = [numerals.number(1e3 * float(run.per_pose.sum())), *[f"{run.counted(COUNTED[what]).sum():,.0f}" for what in ("subdivisions", "distances")],
+                         f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else numerals.NOTHING]
                 records.append({"scene": scene, "label": label, "tolerance": tolerance, "poses": len(run.rows), "seconds": float(run.per_pose.sum()), "rounds": len(run.by_round),
                                 **{name: int(counts[run.rows].sum()) for name, counts in results.cases.counters.items()}})
             table.rows.append([style.scene_title(scene) if i == 0 else "", style.title(solver, label), f"{tolerance:g}", *cells,
-                               *[tables.ratio(variants.ratio(scene, label, PLAIN, what)) if compared else tables.NOTHING for what in ("", *COUNTED)]])
+                               *[numerals.ratio(variants.ratio(scene, label, PLAIN, what)) if compared else numerals.NOTHING for what in ("", *COUNTED)]])
     table.verdicts = verdicts(variants)
     table.notes = ["Plain: as in the paper, tolerance 1e-4 of A's longest side; Lemma 4, which the paper offers for closed models, is off. Time is the "
                    "median over rounds, summed over the poses; ratios are paired by round. Distances are from points to triangles. Deepest: nested "

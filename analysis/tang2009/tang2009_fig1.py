@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.mesh_picture import View, view
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -40,7 +40,7 @@ def make(results: Results) -> Report:
             longest = float(cases.source_longest[deepest])
             what = "H" if int(cases.frame[deepest]) < 0 else f"depth, frame {int(cases.frame[deepest])}"
             table.rows.append([name if i == 0 else "", style.title(cases.solver[deepest], str(label)), what, f"{len(known)} of {len(own)}",
-                               tables.at_least(cases.lower[deepest], 7, times=100, over=longest), tables.at_most(cases.upper[deepest], 7, times=100, over=longest)])
+                               numerals.at_least(cases.lower[deepest], 7, times=100, over=longest), numerals.at_most(cases.upper[deepest], 7, times=100, over=longest)])
         records += [{"scene": name, "label": cases.label[row], "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
                      "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
     notes = dict.fromkeys(f"{cases.scene[rows[0]]}: {cases.scene_note[rows[0]]}" for rows in groups.values() if cases.scene_note[rows[0]])

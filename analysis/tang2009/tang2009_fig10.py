@@ -8,7 +8,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, Grid, in_time_and_work
 from analysis.shared.comparable import apart
 from analysis.shared.notes import machine_line, total_title, total_word
@@ -67,7 +67,7 @@ def memory(pairs: Pairs) -> Verdict:
 
 def make(results: Results) -> Report:
     pairs = Pairs(results)
-    unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
+    unit, scale = numerals.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{total_title(results)}, {unit}, and peak memory, MB: the two-sided distance of overlapping models (Fig. 10 of Tang et al. 2009).",
                          ["pair", "|A| / |B|", "H / longest side, %", *pairs.titles(),
                           *[f"{style.title(label)}, MB" for _, label in pairs.labels],
@@ -76,10 +76,10 @@ def make(results: Results) -> Report:
     records = list[tables.Record]()
     for scene in pairs.scenes:
         own = pairs.row(scene)
-        table.rows.append([style.scene_title(scene), results.sizes(pairs.first(scene)), tables.number(100 * pairs.distance(scene)), *pairs.texts(scene, scale),
-                           *[tables.number(cell.peak / 1e6) if cell else tables.NOTHING for cell in own],
-                           *[tables.ratio(pairs.ratio(scene, *pair)) for pair in OVER],
-                           *[tables.ratio(pairs.ratio(scene, "guthe", "tang", what)) for what in MEASURES]])
+        table.rows.append([style.scene_title(scene), results.sizes(pairs.first(scene)), numerals.number(100 * pairs.distance(scene)), *pairs.texts(scene, scale),
+                           *[numerals.number(cell.peak / 1e6) if cell else numerals.NOTHING for cell in own],
+                           *[numerals.ratio(pairs.ratio(scene, *pair)) for pair in OVER],
+                           *[numerals.ratio(pairs.ratio(scene, "guthe", "tang", what)) for what in MEASURES]])
         records += [{"scene": scene, "label": label, "distance_of_longest": pairs.distance(scene), "status": cell.status(),
                      **tables.seconds(cell.time), "peak_bytes": cell.peak, **cell.counters}
                     for (_, label), cell in zip(pairs.labels, own) if cell]
@@ -119,7 +119,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
         ax.set_xscale("log")
         ax.set_xlabel(f"{clock} (ms)" if what == "time" else "peak memory (MB)")
         scales.log_ticks(ax.xaxis)
-    axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} % of\nthe longest side" for scene in pairs.scenes])
+    axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {numerals.number(100 * pairs.distance(scene))} % of\nthe longest side" for scene in pairs.scenes])
     axes[0].invert_yaxis()
     entries = style.handles(pairs.labels, lines=False)
     paper = Line2D([], [], color="black", linewidth=1.0, linestyle=style.DOTTED, label=f"a {TIMES}th of Guthe's time: the paper's claim")

@@ -7,7 +7,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -26,10 +26,10 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for row in scenes:
         table.rules.add(len(table.rows))
-        known = tables.bounds(*results.reference_of(row), 5, times=100, over=float(cases.source_longest[row]))
+        known = numerals.bounds(*results.reference_of(row), 5, times=100, over=float(cases.source_longest[row]))
         for i, (name, model, count) in enumerate(zip(cases.scene[row].split("/"), (cases.source[row], cases.target[row]),
                                                      (cases.source_elements[row], cases.target_elements[row]))):
-            table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, tables.NOTHING), known if i == 0 else ""])
+            table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, numerals.NOTHING), known if i == 0 else ""])
             records.append({"model": name, "stand_in": str(model), "triangles": int(count), "note": str(note.get(model, "")), "lower": float(cases.lower[row]), "upper": float(cases.upper[row])})
     table.notes = ["The paper's models are not public, except for Bunny2, which has the triangles of a public bunny. The distance is measured with both "
                    "models of the pair centred.",

@@ -6,7 +6,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -25,9 +25,9 @@ def make(results: Results) -> Report:
         for i, row in enumerate(rows):
             longest = float(cases.source_longest[row])
             forward = cases.witness_direction[row] == "source to target"
-            table.rows.append([scene if i == 0 else "", style.title(cases.solver[row], cases.label[row]), tables.at_least(cases.lower[row], 7, times=100, over=longest),
-                               tables.at_most(cases.upper[row], 7, times=100, over=longest),
-                               tables.NOTHING if not results.is_bounded(row) else "A to B" if forward else "B to A"])
+            table.rows.append([scene if i == 0 else "", style.title(cases.solver[row], cases.label[row]), numerals.at_least(cases.lower[row], 7, times=100, over=longest),
+                               numerals.at_most(cases.upper[row], 7, times=100, over=longest),
+                               numerals.NOTHING if not results.is_bounded(row) else "A to B" if forward else "B to A"])
             records.append({"scene": scene, "label": cases.label[row], "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                             "longest": longest, "direction": str(cases.witness_direction[row])})
     table.notes = ["A is moved along x by 1.1 times its longest side. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's "

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style, tables
 from analysis.shared.notes import clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -32,9 +32,9 @@ def make(results: Results) -> Report:
             spent = {stage: float(tang.stage(stage)[chosen].sum()) for stage in STAGES}
             total = sum(spent.values())
             table.rows.append([f"{motion.scene}, {what}", motion.sizes, str(len(chosen)),
-                               f"{tables.number(100 * float(tang.distance[chosen].min()))} to {tables.number(100 * float(tang.distance[chosen].max()))}",
-                               *[tables.number(100 * seconds / total) if total > 0 else tables.NOTHING for seconds in spent.values()],
-                               *[tables.number(1e3 * float(run.per_pose[chosen].mean())) if run and len(run.per_pose) else tables.NOTHING for run in (tang, cover)]])
+                               f"{numerals.number(100 * float(tang.distance[chosen].min()))} to {numerals.number(100 * float(tang.distance[chosen].max()))}",
+                               *[numerals.number(100 * seconds / total) if total > 0 else numerals.NOTHING for seconds in spent.values()],
+                               *[numerals.number(1e3 * float(run.per_pose[chosen].mean())) if run and len(run.per_pose) else numerals.NOTHING for run in (tang, cover)]])
         for i, row in enumerate(tang.rows):
             records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": results.cases.status[row],
                             "distance_of_longest": float(tang.distance[i]), **{stage.replace(" ", "_"): float(tang.stage(stage)[i]) for stage in STAGES},

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES
 from analysis.shared.load import load
 from analysis.shared.notes import machine_line
@@ -126,11 +126,11 @@ def total(found: Sequence[Search], what: str) -> tuple[int, int]:
 def cells_of(one: Search) -> list[str]:
     nearest = one.found.nearest()
     failed = one.found.failed()
-    cells = [nearest, tables.number(one.found.percent(nearest))] if nearest else [tables.NOTHING] * 2
-    cells += [{True: "yes", False: "no", None: tables.NOTHING}[one.same], f"{one.found.cut_off()} of {len(one.found.rows)}" + (f", {len(failed)} failed" if failed else "")]
+    cells = [nearest, numerals.number(one.found.percent(nearest))] if nearest else [numerals.NOTHING] * 2
+    cells += [{True: "yes", False: "no", None: numerals.NOTHING}[one.same], f"{one.found.cut_off()} of {len(one.found.rows)}" + (f", {len(failed)} failed" if failed else "")]
     for what in MEASURES:
         known = bool(one.saving(what).n)
-        cells += [f"{one.matrix.counted(MEASURES[what]):,}" if known else tables.NOTHING, f"{one.found.counted(MEASURES[what]):,}", tables.estimate(one.saving(what))]
+        cells += [f"{one.matrix.counted(MEASURES[what]):,}" if known else numerals.NOTHING, f"{one.found.counted(MEASURES[what]):,}", numerals.estimate(one.saving(what))]
     return cells
 
 
@@ -152,9 +152,9 @@ def make(results: Results) -> Report:
                             **{f"{name}_{side}": answers.counted([name]) for name in results.cases.counters for side, answers in (("search", one.found), ("matrix", one.matrix))
                                if side == "search" or one.comparable}})
         sums = [total(found, what) for what in MEASURES]
-        table.rows.append(["", "all shapes", *[tables.NOTHING] * 2, f"{sum(one.same is True for one in found)} of {len(found)}",
+        table.rows.append(["", "all shapes", *[numerals.NOTHING] * 2, f"{sum(one.same is True for one in found)} of {len(found)}",
                            f"{sum(one.found.cut_off() for one in found)} of {sum(len(one.found.rows) for one in found)}",
-                           *[cell for whole, part in sums for cell in (f"{whole:,}", f"{part:,}", tables.number(whole / part if part else float("nan")))]])
+                           *[cell for whole, part in sums for cell in (f"{whole:,}", f"{part:,}", numerals.number(whole / part if part else float("nan")))]])
     table.verdicts = judged
     table.notes = ["Cut off: the lower bound is above the least upper bound so far. The diagonal is not counted, in the matrix or in the search. Shapes "
                    "with an answer missing in either have no ratio and are left out of the sums. The first target of each shape has no cutoff.",

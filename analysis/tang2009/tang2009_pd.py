@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.mesh_picture import view
 from analysis.shared.notes import machine_line
@@ -71,7 +71,7 @@ def make(results: Results) -> Report:
             table.rows.append([name if i == 0 else "", style.title(scene.label), *cells(scene)])
             records += [record(scene, row) for row in scene.rows]
         if name in papers:
-            table.rows.append(["", "paper", *[tables.NOTHING] * 8, f"{papers[name]:g}"])
+            table.rows.append(["", "paper", *[numerals.NOTHING] * 8, f"{papers[name]:g}"])
     names = list(dict.fromkeys(scene.name for scene in found))
     table.verdicts = verdicts(found, papers)
     table.notes = ["Depths are in percent of the first object's longest side (median and largest over the pairs); parts of the common volume, and triangles on both sides of "
@@ -98,10 +98,10 @@ def caption(names: list[str], papers: dict[str, float]) -> str:
 
 def cells(scene: Scene) -> list[str]:
     if len(scene.answered) < len(scene.rows):
-        return [str(len(scene.frames)), f"{len(scene.rows) - len(scene.answered)} of {len(scene.rows)} pairs failed", *[tables.NOTHING] * 7]
-    return [str(len(scene.frames)), tables.number(len(scene.rows) / len(scene.frames)), tables.number(float(scene.told("parts").mean())),
-            tables.number(100 * float(np.median(scene.depths))), tables.number(100 * float(scene.depths.max())), tables.number(float(scene.told("triangles measured").mean())),
-            *[tables.estimate(mean_over_frames(scene.per_frame(*stages)), 1e3) for stages in ((CUT,), (MEASURE,), (CUT, MEASURE))]]
+        return [str(len(scene.frames)), f"{len(scene.rows) - len(scene.answered)} of {len(scene.rows)} pairs failed", *[numerals.NOTHING] * 7]
+    return [str(len(scene.frames)), numerals.number(len(scene.rows) / len(scene.frames)), numerals.number(float(scene.told("parts").mean())),
+            numerals.number(100 * float(np.median(scene.depths))), numerals.number(100 * float(scene.depths.max())), numerals.number(float(scene.told("triangles measured").mean())),
+            *[numerals.estimate(mean_over_frames(scene.per_frame(*stages)), 1e3) for stages in ((CUT,), (MEASURE,), (CUT, MEASURE))]]
 
 
 def record(scene: Scene, row: int) -> tables.Record:

@@ -12,7 +12,7 @@ import scipy.cluster.hierarchy as hierarchy
 import scipy.spatial.distance
 import scipy.stats
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -106,7 +106,7 @@ def retrieval(matrix: Matrix) -> Verdict:
     more, fewer = (scipy.stats.binomtest(found, len(groups), alternative=side).pvalue for side in ("greater", "less"))
     guess = max(len(group) - 1 for group in groups) / (len(kinds) - 1)
     return Verdict(claim, HOLDS if more <= ERROR else FAILS if fewer <= ERROR else OPEN,
-                   f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.at_most(guess, 2, times=100)} % of the shapes")
+                   f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {numerals.at_most(guess, 2, times=100)} % of the shapes")
 
 
 def make(results: Results) -> Report:
@@ -117,8 +117,8 @@ def make(results: Results) -> Report:
                          ["shape", "family", "nearest", "H", "second", "H", "third", "H", "same family"], left=3)
     middle, records = matrix.middle, list[tables.Record]()
     for i, (name, others) in enumerate(zip(matrix.names, nearest(matrix))):
-        cells = [cell for j in others[:3] for cell in (matrix.names[j], tables.number(100 * middle[i, j]))]
-        table.rows.append([name, family(name), *cells, *[tables.NOTHING] * (6 - len(cells)), "yes" if family(matrix.names[others[0]]) == family(name) else "no"])
+        cells = [cell for j in others[:3] for cell in (matrix.names[j], numerals.number(100 * middle[i, j]))]
+        table.rows.append([name, family(name), *cells, *[numerals.NOTHING] * (6 - len(cells)), "yes" if family(matrix.names[others[0]]) == family(name) else "no"])
         records += [{"source": name, "target": matrix.names[j], "lower": float(matrix.lower[i, j]), "upper": float(matrix.upper[i, j])} for j in range(len(matrix.names))]
     table.verdicts = verdicts(matrix)
     table.notes = [f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are "

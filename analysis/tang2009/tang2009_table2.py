@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
@@ -33,10 +33,10 @@ def verdicts(found: list[Motion]) -> list[Verdict]:
 def cells(run: Run) -> list[str]:
     if not run.complete:
         failed = sum(run.results.cases.status[row] != "ok" for row in run.rows)
-        return [f"{failed} of {len(run.rows)} poses failed", *[tables.NOTHING] * 6]
-    return [tables.estimate(run.mean, 1e3), tables.number(1e3 * float(run.per_pose.min())), tables.number(1e3 * float(run.per_pose.max())),
-            *[tables.number(100 * run.mean_told(f"culled on {side}"), 4) for side in ("A", "B")],
-            f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else tables.NOTHING,
+        return [f"{failed} of {len(run.rows)} poses failed", *[numerals.NOTHING] * 6]
+    return [numerals.estimate(run.mean, 1e3), numerals.number(1e3 * float(run.per_pose.min())), numerals.number(1e3 * float(run.per_pose.max())),
+            *[numerals.number(100 * run.mean_told(f"culled on {side}"), 4) for side in ("A", "B")],
+            f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else numerals.NOTHING,
             f"{np.median(run.counted(QUERIES)[1:]):g}"]
 
 
@@ -53,8 +53,8 @@ def make(results: Results) -> Report:
             table.rows.append([motion.scene if i == 0 else "", style.title(solver, label), motion.sizes if i == 0 else "", str(len(run.rows)), *cells(run)])
             records += record(motion, label)
         if paper := papers.get(motion.scene):
-            table.rows.append(["", "paper", tables.NOTHING, tables.NOTHING, *[f"{paper[key]:.6g}" for key in ("average", "least", "most", "cull_on_source", "cull_on_target")],
-                               tables.NOTHING, tables.NOTHING])
+            table.rows.append(["", "paper", numerals.NOTHING, numerals.NOTHING, *[f"{paper[key]:.6g}" for key in ("average", "least", "most", "cull_on_source", "cull_on_target")],
+                               numerals.NOTHING, numerals.NOTHING])
     table.verdicts = verdicts(found)
     table.notes = ["The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    "A starts three times its longest side away. Tolerance 1e-4 of A's longest side: the paper gives 1e-4 without a unit, so that choice is "

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.shared import tables
+from analysis.shared import numerals
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.results import Results
@@ -95,5 +95,5 @@ def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) ->
     if not spent.has_interval:
         return Verdict(claim, NOT_JUDGED, f"n = {spent.n} frames; {value} against {printed:g} ms")
     low, high = 1e3 * spent.low, 1e3 * spent.high
-    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} {tables.bounds(low, high, limit=printed)} against {printed:g} ms",
+    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} {numerals.bounds(low, high, limit=printed)} against {printed:g} ms",
                    ratio=Ratio(printed / (1e3 * spent.value), printed / high, printed / low))

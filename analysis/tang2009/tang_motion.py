@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import Origin, apart, origins, reason_apart
@@ -126,7 +126,7 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
     if not values or not all(map(math.isfinite, values)):
         return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing among {len(values)} {what}")
     over = sum(value > most for value in values)
-    return Verdict(claim, FAILS if over else HOLDS, f"{tables.bounds(min(values), max(values), times=scale, form='{} to {}')} on {len(values)} {what}"
+    return Verdict(claim, FAILS if over else HOLDS, f"{numerals.bounds(min(values), max(values), times=scale, form='{} to {}')} on {len(values)} {what}"
                    + (f", more on {over}" if over else ""), ratio=Ratio(math.nan, *(most / x if x else math.inf for x in (max(values), min(values)))))
 
 
@@ -140,7 +140,7 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
         left = [1 - motion.runs[label].mean_told(f"culled on {side}") for motion in found if label in motion.runs]
         verdict = most_of(claims.of("tang2009", "culling", side=side), [below(share, 1 - AIM_OF_CULLING) for share in left])
         known = [100 * share for share in left if math.isfinite(share)]
-        spread = f"; left: {tables.number(min(known))} to {tables.number(max(known))} %" if known else ""
+        spread = f"; left: {numerals.number(min(known))} to {numerals.number(max(known))} %" if known else ""
         verdicts.append(replace(verdict, evidence=verdict.evidence + spread))
     return verdicts
 
@@ -156,8 +156,8 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
     deep = [float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan for one in deepest]
     verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])
     shares, known = [100 * share for share in deep if math.isfinite(share)], np.concatenate(deepest) if deepest else np.empty(0)
-    spread = f"; ten times or more at {tables.number(min(shares))} to {tables.number(max(shares))} % of the poses" if shares else ""
-    most = f"; at most {tables.at_most(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
+    spread = f"; ten times or more at {numerals.number(min(shares))} to {numerals.number(max(shares))} % of the poses" if shares else ""
+    most = f"; at most {numerals.at_most(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
     return replace(verdict, evidence=f"{verdict.evidence}{spread}{most}")
 
 
@@ -200,7 +200,7 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with counted subdivisions at every pose")
     more, less = sum(low >= AIM_OF_SUBDIVIDING for low, _ in known), sum(high < AIM_OF_SUBDIVIDING for _, high in known)
     most, pairs = [high for _, high in known], sum(label in motion.runs for motion in found)
-    evidence = (f"at most {tables.at_most(min(most), times=100)} to {tables.at_most(max(most), times=100)} % on {len(known)} of {pairs} pairs; "
+    evidence = (f"at most {numerals.at_most(min(most), times=100)} to {numerals.at_most(max(most), times=100)} % on {len(known)} of {pairs} pairs; "
                 f"certainly more than 1 % on {more}")
     return Verdict(claim, FAILS if more else HOLDS if less == pairs else OPEN, evidence,
                    ratio=Ratio(math.nan, *(AIM_OF_SUBDIVIDING / x if x else math.inf for x in (max(most), min(most)))))

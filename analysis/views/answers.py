@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.cells import Cell
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -50,7 +50,7 @@ def moving(results: Results) -> set[str]:
 def make(results: Results) -> Report:
     cases, asked, moves = results.cases, questions(results), moving(results)
     known = [cell.time for by_name in asked.values() for cell in by_name.values()]
-    unit, scale = tables.time_unit(time.value for time in known if time.n)
+    unit, scale = numerals.time_unit(time.value for time in known if time.n)
     reported = bool(np.isfinite(cases.reported_seconds).any())
     table = tables.Table(str(results.meta.get("title") or results.stem),
                          ["scene", "tolerance", "solver", "lower bound", "upper bound", f"time, {unit}", *[f"reported, {unit}"] * reported, "status"], left=3)
@@ -62,9 +62,9 @@ def make(results: Results) -> Report:
             answered = [case for case in cell.cases if cases.status[case] != "failed"]
             lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # over all seeds
             said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
-            table.rows.append([question.title(question.scene in moves), tables.number(question.tolerance, 2), style.title(cases.solver[row], name),
-                               tables.at_least(lower, 7), tables.at_most(upper, 7),
-                               tables.estimate(cell.time, scale), *[tables.number(said * scale)] * reported, cell.status()])
+            table.rows.append([question.title(question.scene in moves), numerals.number(question.tolerance, 2), style.title(cases.solver[row], name),
+                               numerals.at_least(lower, 7), numerals.at_most(upper, 7),
+                               numerals.estimate(cell.time, scale), *[numerals.number(said * scale)] * reported, cell.status()])
             records.append({**question._asdict(), "solver": cases.solver[row], "name": name, "lower": lower, "upper": upper,
                             **tables.seconds(cell.time), "reported_seconds": said, "status": cell.status(), "reason": cases.reason[row]})
     table.verdicts = stated.verdicts(results, asked)

@@ -8,7 +8,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, tables
 from analysis.shared.notes import clock_title, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -31,8 +31,8 @@ def make(results: Results) -> Report | None:
             middle = [0.5 * float(results.cases.lower[row] + results.cases.upper[row]) for row in rows if results.is_bounded(row)]
             least, most = (min(middle), max(middle)) if middle else (np.nan, np.nan)
             known = [time for time in times if np.isfinite(time)]
-            table.rows.append([style.scene_title(scene), style.title(*pair), f"{len(rows)}", tables.number(least, 5), tables.number(most, 5),
-                               tables.number(float(np.median(known)) if known else np.nan), tables.number(max(known, default=np.nan))])
+            table.rows.append([style.scene_title(scene), style.title(*pair), f"{len(rows)}", numerals.number(least, 5), numerals.number(most, 5),
+                               numerals.number(float(np.median(known)) if known else np.nan), numerals.number(max(known, default=np.nan))])
             records += [{"scene": scene, "solver": pair[0], "name": pair[1], "pose": int(results.cases.pose_index[row]),
                          "lower": float(results.cases.lower[row]), "upper": float(results.cases.upper[row]), "median_seconds": seconds(results, row),
                          "status": results.cases.status[row]} for row in rows]

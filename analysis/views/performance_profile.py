@@ -8,7 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style, tables
 from analysis.shared.cells import Cell
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import reason_apart
@@ -67,7 +67,7 @@ def make(results: Results) -> Report | None:
     records: list[tables.Record] = []
     for pair, values in found.items():
         table.rows.append([style.title(*pair), f"{np.count_nonzero(~np.isnan(values))}",
-                           *[tables.NOTHING if math.isnan(share) else f"{100 * share:.0f} %" for share in (shares(values, factor) for factor in (*SHOWN, 1e300))]])
+                           *[numerals.NOTHING if math.isnan(share) else f"{100 * share:.0f} %" for share in (shares(values, factor) for factor in (*SHOWN, 1e300))]])
         records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": shares(values, float(value))}
                     for value in np.unique(values[np.isfinite(values)])]
     table.notes = [f"A case is a scene, a pose and a tolerance; medians of {total_word(results)}. A profile of few cases says little, and it "

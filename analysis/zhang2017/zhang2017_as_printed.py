@@ -12,7 +12,7 @@ import numpy as np
 import scipy.stats
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, numerals, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -132,9 +132,9 @@ def make(results: Results) -> Report:
                         default=math.nan)
             poses = len({int(results.cases.pose_index[row]) for row in rows})
             table.rows.append([scene, LOOKS[label].title, str(poses), str(seeds), f"{len(known):,}", str(len(bad)),
-                               tables.number(100 * len(bad) / len(known)) if known else tables.NOTHING,
-                               tables.bounds(low, high, 2, times=100, form="{} to {}"),
-                               tables.number(worst, 4)])
+                               numerals.number(100 * len(bad) / len(known)) if known else numerals.NOTHING,
+                               numerals.bounds(low, high, 2, times=100, form="{} to {}"),
+                               numerals.number(worst, 4)])
             records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
                          "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),
                          "status": results.cases.status[row], "lower": float(results.cases.lower[row]),

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, shapes, style, tables
+from analysis.shared import claims, numerals, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, stand_in
@@ -48,9 +48,9 @@ def make(results: Results) -> Report:
         table.rows.append([
             style.scene_title(scene), cases.scene_note[row], f"{sizes[0]:,} / {sizes[1]:,}",
             f"{theirs[0]:,} / {theirs[1]:,}",
-            tables.value(low, high, 9) if known else style.status_word(status),
-            tables.value(low, high, over=cases.source_diagonal[row]) if known else tables.NOTHING,
-            tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
+            numerals.value(low, high, 9) if known else style.status_word(status),
+            numerals.value(low, high, over=cases.source_diagonal[row]) if known else numerals.NOTHING,
+            numerals.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", numerals.NOTHING).upper(),
             *[str(column[row]) if known else ""
               for column in (cases.witness_source_element, cases.witness_target_element)]])
         records.append({"scene": scene, "status": status, "source_elements": sizes[0], "target_elements": sizes[1],
@@ -125,7 +125,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
                 ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
                         markeredgewidth=0.7, zorder=5)
         status = cases.status[row]
-        value = f"h = {tables.value(cases.lower[row], cases.upper[row], 4)}" if results.is_bounded(row) else style.status_word(status)
+        value = f"h = {numerals.value(cases.lower[row], cases.upper[row], 4)}" if results.is_bounded(row) else style.status_word(status)
         if not drawn:
             value += " (points not available)"
         ax.set_title("\n".join(filter(None, [style.scene_title(scene), shapes_text(results, row),

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from analysis.scaling import growth
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import DISTANCES, Cell
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -72,17 +72,17 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     largest = max(known, key=lambda spot: spot.points)
     own, rivals = largest.cells["inc"].peak, {label: cell for label, cell in largest.cells.items() if label != "inc"}
     others = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
-    outcomes, parts = [], [f"INC {tables.number(own / 2**20)} MiB"]
+    outcomes, parts = [], [f"INC {numerals.number(own / 2**20)} MiB"]
     if others:
         most = max(others, key=lambda label: others[label])
         outcomes.append(compared(own, others[most]))
-        parts.append(f"next {style.title(most)} {tables.number(others[most] / 2**20)} MiB")
+        parts.append(f"next {style.title(most)} {numerals.number(others[most] / 2**20)} MiB")
     for label, cell in rivals.items():
         if label not in others:
             limit = memory_limit(cell)
             outcomes.append(FAILS if compared(own, limit) == FAILS else OPEN)
             parts.append(f"{style.title(label)} {cell.failure_text() if cell.failures else 'of unknown memory'}"
-                         + (f" at {tables.number(limit / 2**20)} MiB" if limit > 0 else ""))
+                         + (f" at {numerals.number(limit / 2**20)} MiB" if limit > 0 else ""))
     if not outcomes:
         return Verdict(claim, UNTESTED, "no other solver")
     outcome = FAILS if FAILS in outcomes else HOLDS if set(outcomes) == {HOLDS} else OPEN
@@ -133,10 +133,10 @@ def make(results: Results) -> Report:
             inc = spot.cells.get("inc")
             queues = results.extras(inc.cases[0]).get("queue_bytes", math.nan) if inc and not inc.failures else math.nan
             table.rows.append([
-                workload, f"{spot.points:,}", tables.number(POINT * spot.points / 2**20),
-                *[tables.NOTHING if label not in spot.cells else spot.cells[label].failure_text()
-                  if spot.cells[label].failures else tables.number(spot.cells[label].peak / 2**20) for label in labels],
-                tables.number(inc.peak / spot.points) if inc else tables.NOTHING, tables.number(queues / 2**20)])
+                workload, f"{spot.points:,}", numerals.number(POINT * spot.points / 2**20),
+                *[numerals.NOTHING if label not in spot.cells else spot.cells[label].failure_text()
+                  if spot.cells[label].failures else numerals.number(spot.cells[label].peak / 2**20) for label in labels],
+                numerals.number(inc.peak / spot.points) if inc else numerals.NOTHING, numerals.number(queues / 2**20)])
             records += [{"workload": workload, "size": spot.size, "points": spot.points, "label": label,
                          "status": cell.status(),
                          "peak_bytes": cell.peak, "median_seconds": cell.time.value,
@@ -145,7 +145,7 @@ def make(results: Results) -> Report:
                         for label, cell in spot.cells.items()]
         grown = [slope([spot.points for spot in own if label in spot.cells],
                        [spot.cells[label].peak for spot in own if label in spot.cells]) for label in labels]
-        table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
+        table.rows.append([workload, "grows as n^", "1", *[numerals.number(x, 2) for x in grown], "", ""])
     notes = {scene.partition(", ")[0]: str(note)
              for scene, note in zip(results.cases.scene, results.cases.scene_note)}
     table.verdicts = [judge(workload, [s for s in spots if s.workload == workload]) for judge in (verdict, almost_linear) for workload in workloads]

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, shapes, style, tables
+from analysis.shared import claims, numerals, scales, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -92,10 +92,10 @@ def make(results: Results) -> Report:
     for scene in scenes:
         table.rules.add(len(table.rows))
         for step in [step for step in steps if step.scene == scene]:
-            table.rows.append([scene, tables.number(step.shift), tables.number(step.distance, 4),
-                               tables.estimate(step.counted),
-                               tables.number(step.expected), tables.number(step.counted.value / step.expected),
-                               tables.number(step.by_point), tables.number(step.counted.value / step.by_point)])
+            table.rows.append([scene, numerals.number(step.shift), numerals.number(step.distance, 4),
+                               numerals.estimate(step.counted),
+                               numerals.number(step.expected), numerals.number(step.counted.value / step.expected),
+                               numerals.number(step.by_point), numerals.number(step.counted.value / step.by_point)])
             records.append({"scene": scene, "shift": step.shift, "distance": step.distance, "n": step.counted.n,
                             "counted": step.counted.value, "counted_low": step.counted.low,
                             "counted_high": step.counted.high,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from analysis.shared import tables
+from analysis.shared import numerals
 from analysis.shared.cells import Cell
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -21,7 +21,7 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
         culled = [100 * results.extras(r)["culled"] / results.cases.source_elements[r] for r in rows
                   if "culled" in results.extras(r)]
         value = float(np.median(culled)) if culled else math.nan
-        found.append((header, tables.number(value), value))
+        found.append((header, numerals.number(value), value))
     return found
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.shared import beside_paper, claims, style, tables
+from analysis.shared import beside_paper, claims, numerals, style, tables
 from analysis.shared.cells import DISTANCES, MEASURES, WORK, Cell, Grid, count_text, in_time_and_work
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, total_title
@@ -33,7 +33,7 @@ def span(values: list[float], digits: int = 2) -> str:
     known = [x for x in values if np.isfinite(x)]
     if not known:
         return "an unknown number of"
-    low, high = tables.number(min(known), digits), tables.number(max(known), digits)
+    low, high = numerals.number(min(known), digits), numerals.number(max(known), digits)
     return low if low == high else f"{low} to {high}"
 
 
@@ -57,7 +57,7 @@ def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
 
 
 def paper_ratio(paper: dict[str, Any], slow: str, fast: str) -> str:
-    return tables.number(paper[slow] / paper[fast]) if slow in paper and fast in paper else tables.NOTHING
+    return numerals.number(paper[slow] / paper[fast]) if slow in paper and fast in paper else numerals.NOTHING
 
 
 def faster(grid: Grid, slow: str) -> Verdict:
@@ -80,7 +80,7 @@ def make(results: Results) -> Report:
     columns = [(name, name) for name in COLUMNS]
     grid = Grid(results, [*columns, *[pair for pair in style.order(zip(cases.solver, cases.label)) if pair not in columns]])
     grid.scenes.sort(key=lambda s: list(papers).index(s) if s in papers else len(papers))
-    unit, scale = tables.time_unit(cell.time.value for cell in grid.cells.values())
+    unit, scale = numerals.time_unit(cell.time.value for cell in grid.cells.values())
     table = tables.Table(
         f"{total_title(results)}, {unit}, of exact directed Hausdorff distances between point sets, measured here and as printed in Table 3 of Zhang et al. "
         "2017, with the counted work.",
@@ -91,15 +91,15 @@ def make(results: Results) -> Report:
         paper, first, own = papers.get(scene, {}), grid.first(scene), grid.row(scene)
         table.rules.add(len(table.rows))
         table.rows.append([style.scene_title(scene), "here",
-                           results.sizes(first), *grid.texts(scene, scale), *[tables.ratio(grid.ratio(scene, *pair)) for pair in RATIOS]])
+                           results.sizes(first), *grid.texts(scene, scale), *[numerals.ratio(grid.ratio(scene, *pair)) for pair in RATIOS]])
         for what, names in MEASURES.items():
             table.rows.append(["", what, "", *[count_text(cell, names) for cell in own],
-                               *[tables.ratio(grid.ratio(scene, *pair, what)) for pair in RATIOS]])
-        table.rows.append(["", "ns per distance", "", *[tables.number(nanoseconds(cell)) for cell in own],
-                           *[tables.NOTHING] * len(RATIOS)])
+                               *[numerals.ratio(grid.ratio(scene, *pair, what)) for pair in RATIOS]])
+        table.rows.append(["", "ns per distance", "", *[numerals.number(nanoseconds(cell)) for cell in own],
+                           *[numerals.NOTHING] * len(RATIOS)])
         if paper:
             table.rows.append(["", "paper", f"{paper['source_elements']:,} / {paper['target_elements']:,}",
-                               *[f"{paper[label] * scale:.6g}" if label in paper else tables.NOTHING
+                               *[f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
                                  for _, label in grid.labels],
                                *[paper_ratio(paper, *pair) for pair in RATIOS]])
         if cases.scene_note[first]:

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work, takes_seed
 from analysis.shared.comparable import apart, origins, reason_apart
 from analysis.shared.notes import clock_title, clock_word, machine_line
@@ -135,8 +135,8 @@ class Motion:
             claim = claims.of("zhang2017", name, self.scene)
             times = self.times(regime, slow, fast)
             evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
-                        f"{tables.number(1000 * max((b for _, b in times), default=math.nan))} against "
-                        f"{tables.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
+                        f"{numerals.number(1000 * max((b for _, b in times), default=math.nan))} against "
+                        f"{numerals.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
                         f"{style.title(slow)} / {style.title(fast)}")
             titles = f"median of {style.title(slow)} / {style.title(fast)}"
             counted = {what: above_one(claim, self.ratio(regime, slow, fast, what), titles) for what in MEASURES}
@@ -175,7 +175,7 @@ class Motion:
         sure = share.has_interval and share.coverage >= 1 - ERROR
         above, below = sure and share.low > HALF, sure and share.high < HALF
         outcome = HOLDS if (above if more else below) else FAILS if (below if more else above) else OPEN
-        return weighed(Verdict(claim, outcome, f"{tables.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
+        return weighed(Verdict(claim, outcome, f"{numerals.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
 
     def worst_case(self) -> list[Verdict]:
         """Judges the claim that EARLYBREAK computes |A| * |B| distances if the distance is 0, for every seed and such pose.
@@ -226,7 +226,7 @@ class Motion:
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
             if solver and what == "structures for each pose":
-                found.setdefault(str(reason), {}).setdefault(style.title(*solver), f"{tables.number(1000 * seconds)} ms")
+                found.setdefault(str(reason), {}).setdefault(style.title(*solver), f"{numerals.number(1000 * seconds)} ms")
         return [f"{reason}: saved {', '.join(f'{title} {saved}' for title, saved in own.items())}" for reason, own in found.items()]
 
 
@@ -259,10 +259,10 @@ def make(results: Results) -> Report:
                 times = [motion.time(p, label) for p in poses if label in p.rows]
                 failed = sum(not t.n for t in times)
                 known = [t.value for t in times if t.n]
-                text = tables.number(1e6 * float(np.median(known))) if known else tables.NOTHING
+                text = numerals.number(1e6 * float(np.median(known))) if known else numerals.NOTHING
                 cells.append(text + (f" ({failed} failed)" if failed else ""))
             table.rows.append([f"{motion.scene}, {title}", motion.sizes, str(len(poses)), *cells,
-                               *[tables.ratio(motion.ratio(regime, "earlybreak", label, what))
+                               *[numerals.ratio(motion.ratio(regime, "earlybreak", label, what))
                                  for label in ("nohd", "ohd") for what in ("", *MEASURES)]])
         for pose in motion.poses:
             for _, label in labels:

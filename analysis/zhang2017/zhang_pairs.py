@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.shared import claims, scales, style, tables
+from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import reason_apart
 from analysis.shared.load import paper_numbers
@@ -62,7 +62,7 @@ class Pair:
         return self.cells[label].time if label in self.cells else NO_DATA
 
     def text(self, label: str, scale: float) -> str:
-        return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
+        return self.cells[label].text(scale) if label in self.cells else numerals.NOTHING
 
 
 def make(spec: Spec, results: Results) -> Report:
@@ -70,7 +70,7 @@ def make(spec: Spec, results: Results) -> Report:
     papers = {row["pair"]: row for row in printed["row"]}
     pairs = [Pair(results, spec, scene) for scene in results.scenes]
     shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
-    unit, scale = tables.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
+    unit, scale = numerals.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
     titles = [style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
@@ -82,9 +82,9 @@ def make(spec: Spec, results: Results) -> Report:
         paper = papers.get(pair.number, {})
         slow, fast = float(paper.get(spec.without, math.nan)), float(paper.get(spec.with_it, math.nan))
         table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
-                           *[tables.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
-                           tables.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
-                           tables.ratio(pair.ratio), *map(tables.ratio, pair.counted.values()),
+                           *[numerals.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
+                           numerals.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
+                           numerals.ratio(pair.ratio), *map(numerals.ratio, pair.counted.values()),
                            *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
         for label, cell in pair.cells.items():
             records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
@@ -137,9 +137,9 @@ def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
                   ([pair.counted["distances, bounds and nodes"].value for pair in known],
                    [pair.ratio.value for pair in known]))
     cost = [1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known]
-    return (f"Over these pairs, {spec.part} saves {tables.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
-            f"{tables.number(100 * float(np.median(time)), 2)} % less time on this machine (medians); one of them costs "
-            f"{tables.number(float(np.median(cost)), 2)} ns, preparation included.")
+    return (f"Over these pairs, {spec.part} saves {numerals.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
+            f"{numerals.number(100 * float(np.median(time)), 2)} % less time on this machine (medians); one of them costs "
+            f"{numerals.number(float(np.median(cost)), 2)} ns, preparation included.")
 
 
 def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-from analysis.shared import scales, style, tables
+from analysis.shared import numerals, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import apart
 from analysis.shared.notes import machine_line, total_title, total_word
@@ -108,9 +108,9 @@ def make(spec: Spec, results: Results) -> Report:
                 continue
             more = [cell.count(names) for names in MEASURES.values()]
             more += [column(results, cell) if not cell.failures else math.nan for _, column in spec.columns]
-            table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
-                               tables.number(sweep.times_the_least(scene, value)) + (" (least)" if value == best else ""),
-                               *map(tables.number, more)])
+            table.rows.append([scene, spec.text_of(value), numerals.number(cell.prepare * 1000), cell.text(1000),
+                               numerals.number(sweep.times_the_least(scene, value)) + (" (least)" if value == best else ""),
+                               *map(numerals.number, more)])
             records.append({"scene": scene, spec.parameter: value, "status": cell.status(), **tables.seconds(cell.time),
                             "prepare_seconds": cell.prepare,
                             "peak_bytes": cell.peak, **cell.counters})

@@ -26,7 +26,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.shared.statistics import Estimate
-from analysis.shared.tables import number
+from analysis.shared.numerals import number
 from bench.tracking import counted, progress, timed
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import VERSIONS, Build, NotBuilt, build_of, commit_of, fetch, here

@@ -2,6 +2,7 @@
 // root, are then at least the exact value. The comment "rounded upward" marks the bounds that depend on this.
 #include "harness/check/certificate_check.h"
 
+#include "algorithms/kernel/watched.h"
 #include "harness/check/certificate_tree.h"
 #include "harness/check/verify_exact.h"
 
@@ -36,10 +37,14 @@ double length_at_most(const IntervalVector& v) {
     std::array<double, 3> x;
     double largest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        x[k] = std::max(v[k].sup(), -v[k].inf());
+        x[k] = WATCHED_ELSE("certificates: each component at its end that is farther from 0",
+                            std::max(v[k].sup(), -v[k].inf()), std::abs(middle(v[k])));
         largest = std::max(largest, x[k]);
     }
-    if (largest >= 0x1p-400) return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);  // rounded upward
+    if (WATCHED_ELSE("certificates: lengths whose squares underflow", largest >= 0x1p-400, true))
+        return WATCHED_ELSE("certificate check: a length that is too small, replayed",
+                            std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]),  // rounded upward
+                            0.9 * largest);
     for (double& component : x) component *= 0x1p600;
     return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) * 0x1p-600;
 }
@@ -96,8 +101,10 @@ private:
     static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
     // Returns weights near x and y that are in [0, 1] and whose exact sum is at most 1.
     static Weights weights(double x, double y) {
-        y = clamped(y, 1);
-        return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
+        y = clamped(y, WATCHED_ELSE("certificates: a foot within the triangle, its second weight", 1, 2));
+        return {clamped(x, WATCHED_ELSE("certificates: a foot within the triangle, its first weight",
+                                        (Interval(1) - Interval(y)).inf(), 1)),
+                y};
     }
     double squared(const Vec3& p, const Weights& at) const {
         return (p - at.first * along_ - at.second * side_).squaredNorm();
@@ -162,17 +169,20 @@ public:
     // Returns the largest bound over all triangles of A. Requires upward rounding.
     double run(const std::function<void()>& looking) {
         double most = 0;
-        for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
+        for (triangle_ = 0; triangle_ < WATCHED_ELSE("certificates: all triangles of A", source_.triangles(), 1);
+             ++triangle_) {
             if (looking && triangle_ % 1000 == 0) looking();
             node_ = 0;
             const double bound = tree();
-            if (check_.worst < 0 || bound > most) {
+            if (check_.worst < 0 ||
+                WATCHED_ELSE("certificates: the largest bound of all triangles", bound > most, true)) {
                 most = bound;
                 check_.worst = triangle_;
             }
         }
         node_ = 0;
-        if (!reader_.at_end()) throw Refused("there are bytes after the last triangle");
+        if (WATCHED("certificates: nothing after the last triangle", !reader_.at_end()))
+            throw Refused("there are bytes after the last triangle");
         return most;
     }
 
@@ -200,7 +210,8 @@ private:
             if (kind == 0)
                 divide(polygon, rest);
             else
-                most = std::max(most, leaf(polygon, kind, rest));
+                most =
+                    std::max(WATCHED("certificates: the largest bound of all leaves", most), leaf(polygon, kind, rest));
         }
         return most;
     }
@@ -210,10 +221,10 @@ private:
         for (Meeting* meeting : {&p, &q}) {
             if (meeting->on_edge()) meeting->t = reader_.parameter();
         }
-        if (pending_.size() == most_pending)
+        if (WATCHED("certificates: polygons that wait", pending_.size() == most_pending))
             throw Refused(fmt::format("more than {} polygons wait for their leaves", most_pending));
         const auto [first, second] = cut(polygon, p, q);
-        pending_.push_back(second);
+        if (WATCHED("certificates: the second child", true)) pending_.push_back(second);
         pending_.push_back(first);
         ++check_.cuts;
     }
@@ -235,7 +246,8 @@ private:
     }
 
     static Index numbered(std::uint64_t index, Index count, const char* what, const char* of) {
-        if (index >= std::uint64_t(count))
+        if (WATCHED_ELSE("certificates: indices of triangles and vertices", index >= std::uint64_t(count),
+                         index > std::uint64_t(count)))
             throw Refused(fmt::format("a leaf names {} {} of {} in the {}", what, index, count, of));
         return Index(index);
     }
@@ -257,7 +269,8 @@ private:
     // Returns the bound of a leaf of kind `one`: the largest distance from a corner to `near`.
     double largest_distance(const Polygon& polygon, const TargetTriangle& near) const {
         double most = 0;
-        for (std::size_t i = 0; i < polygon.count; ++i)
+        for (std::size_t i = 0;
+             i < WATCHED_ELSE("certificates: all corners of a leaf of one triangle", polygon.count, 1); ++i)
             most = std::max(most, distance(from_a(polygon.corners[i]), near));
         return most;
     }
@@ -279,7 +292,7 @@ private:
             for (std::size_t k = 0; k < 3; ++k) d[k] -= point[k];
             radius = std::max(radius, length_at_most(d));
         }
-        return distance(point, near) + radius;  // rounded upward
+        return distance(point, near) + WATCHED("certificates: the radius around a point", radius);  // rounded upward
     }
 
     const Soup &source_, &target_;
@@ -295,7 +308,9 @@ private:
 // Undoes the scaling by 2^exponent, rounding up.
 double scaled_back(double x, int exponent) {
     const double original = std::ldexp(x, -exponent);
-    return std::ldexp(original, exponent) == x ? original : std::nextafter(original, infinity);
+    return std::ldexp(original, exponent) == x
+               ? original
+               : WATCHED_ELSE("certificates: scaled back upward", std::nextafter(original, infinity), original);
 }
 
 // Returns the upper bound that the bytes prove. Scales both shapes by the power of two that brings the largest
@@ -304,7 +319,7 @@ double scaled_back(double x, int exponent) {
 // 2 * 2^-1074 = 2^-1073 is added to the bound.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check, const std::function<void()>& looking) {
-    if (source_points.hasNaN() || target_points.hasNaN())
+    if (WATCHED("certificates: a coordinate that is not a number", source_points.hasNaN() || target_points.hasNaN()))
         throw Refused("a coordinate is not a number");  // maxCoeff() may skip NaN
     const double largest = std::max(source_points.cwiseAbs().maxCoeff(), target_points.cwiseAbs().maxCoeff());
     if (!std::isfinite(largest)) throw Refused("a pose moves a point beyond the largest double");
@@ -313,9 +328,10 @@ double bound_of(const Shape& source, const Points& source_points, const Shape& t
     Cover cover(a, b, bytes, check);
     double found = 0;
     try {
-        const CGAL::Protect_FPU_rounding<true> upward;
+        const CGAL::Protect_FPU_rounding<true> upward(
+            WATCHED_ELSE("certificates: intervals are rounded outward", CGAL_FE_UPWARD, CGAL_FE_TONEAREST));
         found = cover.run(looking);
-        if (!a.exact() || !b.exact()) found += 0x1p-1073;
+        if (!a.exact() || !b.exact()) found += WATCHED("certificates: coordinates that scaling loses", 0x1p-1073);
     } catch (const Refused& refused) {
         throw Refused(fmt::format("{}: {}", cover.place(), refused.what()));
     }
@@ -336,11 +352,13 @@ CertificateCheck check_certificate(const Shape& source, const Pose& source_pose,
         if (kind_of(source) == ShapeKind::surface || kind_of(target) == ShapeKind::surface)
             throw Refused("an algebraic surface has no triangles");
         const Standing a(source, source_pose), b(target, target_pose);
-        if (certificate.direction == Witness::Direction::source_to_target)
+        if (WATCHED_ELSE("certificates: h(B,A)", certificate.direction == Witness::Direction::source_to_target, true))
             check.found = bound_of(source, a.points(), target, b.points(), certificate.bytes, check, looking);
         else
             check.found = bound_of(target, b.points(), source, a.points(), certificate.bytes, check, looking);
-        check.accepted = check.found <= certificate.proven;  // false if `proven` is NaN
+        check.accepted = WATCHED_ELSE("certificates: what is claimed",
+                                      check.found <= certificate.proven,  // false if `proven` is NaN
+                                      true);
         if (!check.accepted)
             check.refusal = fmt::format("triangle {}: its leaves show {:.17g}, and the certificate claims {:.17g}",
                                         check.worst, check.found, certificate.proven);

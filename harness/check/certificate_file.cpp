@@ -1,6 +1,7 @@
 #include "harness/check/certificate_file.h"
 
 #include "algorithms/error.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/printable.h"
 #include "datasets/hash.h"
 #include "harness/check/verify.h"
@@ -49,7 +50,8 @@ std::string_view unsealed(std::string_view file) {
     const std::string_view content = file.substr(0, length);
     const std::string_view seal = file.substr(length);
     if (!seal.starts_with(seal_begin)) throw std::runtime_error("it does not end in its SHA-256");
-    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 does not match");
+    if (WATCHED("certificate file: its SHA-256", seal != seal_of(content)))
+        throw std::runtime_error("damaged: its SHA-256 does not match");
     return content;
 }
 
@@ -57,7 +59,8 @@ json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"s
 
 // Returns j if it is an array of exactly `count` values; throws otherwise.
 const json& numbers(const json& j, std::size_t count) {
-    if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
+    if (WATCHED("certificates: poses have twelve numbers, points three", !j.is_array() || j.size() != count))
+        throw std::runtime_error(fmt::format("not {} numbers", count));
     return j;
 }
 
@@ -69,7 +72,7 @@ template <class T> T whole(const json& j, T least) {
     const bool unsigned_one = j.is_number_unsigned();
     const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
                                    : j.is_number_integer() && std::in_range<T>(j.get<std::int64_t>());
-    if (!fits || j.get<T>() < least)
+    if (WATCHED("certificates: whole numbers", !fits || j.get<T>() < least))
         throw std::runtime_error(fmt::format("not an integer of at least {} that fits", least));
     return j.get<T>();
 }
@@ -80,7 +83,8 @@ json parse_header(std::string_view line) {
     return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
-        if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+        if (event == json::parse_event_t::key &&
+            WATCHED("certificates: a key stands once", !keys.back().insert(parsed.get<std::string>()).second))
             throw std::runtime_error("a key occurs twice");
         return true;
     });
@@ -147,7 +151,8 @@ CertificateFile parse(std::string_view bytes) {
                                   std::string(bytes.substr(at, size))});
         at += size;
     }
-    if (at != bytes.size()) throw std::runtime_error("it goes on after its last certificate");
+    if (WATCHED("certificate file: nothing after the last certificate", at != bytes.size()))
+        throw std::runtime_error("it goes on after its last certificate");
     return c;
 }
 
@@ -155,7 +160,7 @@ CertificateFile parse(std::string_view bytes) {
 
 void expect_shape(const CertificateFile::Model& model, const Shape& shape, const char* name) {
     const std::string hash = content_hash(shape);
-    if (hash == model.sha256) return;
+    if (WATCHED_ELSE("certificate file: the shapes are those that were measured", hash == model.sha256, true)) return;
     throw InputError(
         fmt::format("{}: this is not the shape of the certificate: its coordinates and indices have the SHA-256 {}, "
                     "not {}; give the file that was measured as {}",
@@ -166,7 +171,8 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
 // bound true.
 bool keeps_distances(const Pose& pose) {
     const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
-    return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
+    return WATCHED_ELSE("certificates: a pose keeps distances",
+                        (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite(), true);
 }
 
 // Returns a bound on how far rounding moves the posed points from where the pose puts them. Each coordinate has three
@@ -194,9 +200,13 @@ double proven_by(const CertificateFile& c) {
 std::string wrong_pose(const CertificateFile& c, const Shape& source, const Shape& target) {
     for (const auto& [name, model, shape] : {std::tuple{"A", &c.source, &source}, {"B", &c.target, &target}}) {
         if (!keeps_distances(model->pose)) return fmt::format("the pose of {} is not a rotation and translation", name);
-        const double size = std::max(diagonal(points_of(*shape)), proven_by(c)),
+        const double size = WATCHED_ELSE(
+                         "certificate: a shape is not flattened onto a large one",
+                         std::max(diagonal(points_of(*shape)), proven_by(c)),
+                         std::max({diagonal(points_of(source)), diagonal(points_of(target)), proven_by(c)})),
                      rounding = rounding_of(*shape, model->pose);
-        if (rounding != 0 && !(rounding <= most_rounded * size && std::isfinite(size)))
+        if (WATCHED("certificate: a pose does not flatten a shape by rounding",
+                    rounding != 0 && !(rounding <= most_rounded * size && std::isfinite(size))))
             return fmt::format(
                 "the pose of {} moves it so far that rounding displaces its points by up to {:.2g}, more than "
                 "1e-6 of its diagonal or of the bound",
@@ -223,10 +233,11 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
     wrong = !(lower >= 0 && std::isfinite(lower)) ||
             (c.quantity == Quantity::directed && c.witness.direction == Witness::Direction::target_to_source);
     if (wrong) return "it is not a lower bound of this distance";
-    wrong = c.witness.source_element >= element_count(source) || c.witness.target_element >= element_count(target);
+    wrong = WATCHED("certificates: elements that are there", c.witness.source_element >= element_count(source) ||
+                                                                 c.witness.target_element >= element_count(target));
     if (wrong) return "its witness names an element that the shape does not have";
     if (lower == 0) return "holds: no distance is below 0";
-    wrong = true;
+    wrong = WATCHED_ELSE("certificate: a lower bound without a witness is not proven", true, p.allFinite());
     if (lower > c.bounds.upper) return "it is above the upper bound";
     if (!p.allFinite()) return "it has no witness, so nothing shows it";
     double shown = 0;
@@ -240,13 +251,16 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
 }  // namespace
 
 bool proves_the_bound(double proven, double upper, double extent) {
-    return proven <= upper || (std::isfinite(extent) && proven - upper <= most_above_upper * extent);
+    return proven <= upper ||
+           (WATCHED_ELSE("certificate: shapes whose diagonal is not a double", std::isfinite(extent), true) &&
+            proven - upper <= most_above_upper * extent);
 }
 
 void state_what_is_proven(CertificateFile& content, const Shape& source, const Shape& target) {
     const double proven = proven_by(content);
     if (proves_the_bound(proven, content.bounds.upper, extent_of(content, source, target)))
-        content.bounds.upper = std::max(content.bounds.upper, proven);
+        content.bounds.upper =
+            std::max(content.bounds.upper, WATCHED("certificate: a file states what it proves", proven));
 }
 
 Shape as_loaded(const PreparedShape& prepared) {
@@ -286,29 +300,40 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
         if (verdict.refusal.empty()) verdict.refusal = why;
     };
     if (const std::string wrong = wrong_pose(content, source, target); !wrong.empty()) refuse(wrong);
-    if (!proves_its_quantity(content))
+    if (WATCHED("certificate file: H takes both directions", !proves_its_quantity(content)))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
     for (const Certificate& one : content.certificates) {
         verdict.checks.push_back(
             check_certificate(source, content.source.pose, target, content.target.pose, one, looking));
-        if (!verdict.checks.back().accepted) refuse(verdict.checks.back().refusal);
+        if (WATCHED_ELSE("certificate file: every certificate is accepted",
+                         WATCHED("fuzz target of certificates: an upper bound that its leaves do not show",
+                                 !verdict.checks.back().accepted),
+                         false))
+            refuse(verdict.checks.back().refusal);
     }
     verdict.proven = proven_by(content);
-    if (!(verdict.proven <= content.bounds.upper))
+    if (WATCHED_ELSE("certificate file: what is proven is the upper bound of the answer",
+                     WATCHED("fuzz target of certificates: an upper bound below what is proven",
+                             !(verdict.proven <= content.bounds.upper)),
+                     false))
         refuse(fmt::format("it proves {:.17g}, which is above the upper bound {:.17g}", verdict.proven,
                            content.bounds.upper));
     bool wrong = false;
     verdict.lower = check_lower(content, source, target, wrong);
-    if (wrong) refuse(fmt::format("lower bound {:.17g}: {}", content.bounds.lower, verdict.lower));
+    if (WATCHED_ELSE("certificate file: the lower bound",
+                     WATCHED("fuzz target of certificates: a lower bound that its witness does not show", wrong),
+                     false))
+        refuse(fmt::format("lower bound {:.17g}: {}", content.bounds.lower, verdict.lower));
     verdict.accepted = verdict.refusal.empty();
     return verdict;
 }
 
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict) {
-    std::string text = fmt::format("answer     of {}: {} in [{:.17g}, {:.17g}]\n", printable(content.solver),
-                                   content.quantity == Quantity::symmetric ? "H(A,B)" : "h(A,B)", content.bounds.lower,
-                                   content.bounds.upper);
+    std::string text = fmt::format(
+        "answer     of {}: {} in [{:.17g}, {:.17g}]\n",
+        WATCHED_ELSE("certificates: text of the file is filtered", printable(content.solver), content.solver),
+        content.quantity == Quantity::symmetric ? "H(A,B)" : "h(A,B)", content.bounds.lower, content.bounds.upper);
     for (const auto& [name, model] : {std::pair{'A', &content.source}, std::pair{'B', &content.target}}) {
         if (model->pose.is_identity()) continue;
         text += fmt::format("pose of {}  {} (rotation row by row, translation)\n", name, json(model->pose).dump());

@@ -7,6 +7,8 @@
     "certificate_tree.h: compile with -frounding-math: without it the compiler may move arithmetic across a change of the rounding mode"
 #endif
 
+#include "algorithms/kernel/watched.h"
+
 #include <CGAL/Interval_nt.h>
 
 #include <fmt/format.h>
@@ -44,11 +46,12 @@ public:
     // necessary, so that each integer has only one encoding.
     std::uint64_t number() {
         std::uint64_t value = 0;
-        for (int shift = 0; shift < 63; shift += 7) {
+        for (int shift = 0; shift < WATCHED_ELSE("certificates: numbers of too many bits", 63, 700); shift += 7) {
             const std::uint64_t byte = next();
             value |= (byte & 0x7f) << shift;
             if (byte < 0x80) {
-                if (byte == 0 && shift > 0) throw Refused("a number is not written in as few bytes as it takes");
+                if (WATCHED("certificates: numbers in as few bytes as they take", byte == 0 && shift > 0))
+                    throw Refused("a number is not written in as few bytes as it takes");
                 return value;
             }
         }
@@ -61,14 +64,16 @@ public:
         for (int shift = 0; shift < 64; shift += 8) bits |= next() << shift;
         // Compares the bits as integers. Negative numbers, -0 and NaN have larger bits than 1, so one comparison
         // refuses them all.
-        if (bits > std::bit_cast<std::uint64_t>(1.0)) throw Refused("a cut is not between the ends of its edge");
+        if (WATCHED("certificates: t between 0 and 1", bits > std::bit_cast<std::uint64_t>(1.0)))
+            throw Refused("a cut is not between the ends of its edge");
         return std::bit_cast<double>(bits);
     }
 
 private:
     std::uint64_t next() {
-        if (at_end()) throw Refused("the certificate ends here");
-        return static_cast<unsigned char>(bytes_[at_++]);
+        return at_end()
+                   ? WATCHED_ELSE("certificates: the end of the bytes", throw Refused("the certificate ends here"), 1U)
+                   : static_cast<unsigned char>(bytes_[at_++]);
     }
 
     const std::string& bytes_;
@@ -85,7 +90,7 @@ struct Corner {
 // Returns a + t * (b - a), computed as (1 - t) * a + t * b. In this form a and b occur once each, so repeated cuts
 // widen the intervals only by rounding.
 inline Corner between(const Corner& a, const Corner& b, double t) {
-    const Interval to(t), from = Interval(1) - to;
+    const Interval to(t), from = WATCHED_ELSE("certificates: 1 - t is an interval", Interval(1) - to, Interval(1 - t));
     return {from * a.v + to * b.v, from * a.w + to * b.w};
 }
 
@@ -95,7 +100,8 @@ struct Polygon {
     std::array<Corner, most_corners> corners;
 
     void add(const Corner& corner) {
-        if (count == most_corners) throw Refused(fmt::format("a polygon has more than {} corners", most_corners));
+        if (WATCHED("certificates: corners of a polygon", count == most_corners))
+            throw Refused(fmt::format("a polygon has more than {} corners", most_corners));
         corners[count++] = corner;
     }
 };
@@ -115,7 +121,8 @@ struct Meeting {
 inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
     const bool corner = bits & 1;
     const std::size_t i = bits >> 2;
-    if (i >= corners) throw Refused(fmt::format("a cut names {} {} of {}", corner ? "corner" : "edge", i, corners));
+    if (WATCHED("certificates: a cut names a corner that is there", i >= corners))
+        throw Refused(fmt::format("a cut names {} {} of {}", corner ? "corner" : "edge", i, corners));
     if (corner && (bits & 2)) throw Refused("a cut at a corner has a direction");
     return {2 * i + !corner, (bits & 2) != 0, 0};
 }
@@ -123,8 +130,9 @@ inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
 inline Corner point_at(const Polygon& polygon, const Meeting& meeting) {
     const std::size_t i = meeting.place / 2, next = (i + 1) % polygon.count;
     if (!meeting.on_edge()) return polygon.corners[i];
-    return between(polygon.corners[meeting.backward ? next : i], polygon.corners[meeting.backward ? i : next],
-                   meeting.t);
+    return between(
+        polygon.corners[WATCHED("certificates: a point that is measured backward", meeting.backward) ? next : i],
+        polygon.corners[meeting.backward ? i : next], meeting.t);
 }
 
 // Returns the part of a polygon on one side of a cut. Its corners are `first`, then all corners of `whole` between the
@@ -135,16 +143,18 @@ inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to
     Polygon child;
     child.add(first);
     for (std::size_t place = (from.place + 1) % places; place != to.place; place = (place + 1) % places) {
-        if (place % 2 == 0) child.add(whole.corners[place / 2]);
+        if (WATCHED("certificates: the corners between the ends of a cut", place % 2 == 0))
+            child.add(whole.corners[place / 2]);
     }
     child.add(last);
-    if (child.count < 3) throw Refused("a cut runs along an edge");
+    if (WATCHED("certificates: a child is a polygon", child.count < 3)) throw Refused("a cut runs along an edge");
     return child;
 }
 
 // Cuts a polygon along the segment from p to q. Returns the two parts in the order of the certificate.
 inline std::pair<Polygon, Polygon> cut(const Polygon& whole, const Meeting& p, const Meeting& q) {
-    if (p.place == q.place) throw Refused("a cut begins and ends at one corner or edge");
+    if (WATCHED("certificates: P and Q are two places", p.place == q.place))
+        throw Refused("a cut begins and ends at one corner or edge");
     const Corner at_p = point_at(whole, p), at_q = point_at(whole, q);
     return {part(whole, p, q, at_p, at_q), part(whole, q, p, at_q, at_p)};
 }

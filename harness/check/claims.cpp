@@ -1,5 +1,6 @@
 #include "harness/check/claims.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 
 #include <fmt/format.h>
@@ -92,7 +93,8 @@ std::vector<std::string> contradictions(const std::vector<Row>& rows,
         const Shape *source = load(row.asked.source), *target = load(row.asked.target);
         if (what.empty() && source && target)
             what = wrong_witness(row.outcome.witness, element_count(*source), element_count(*target));
-        if (what.empty() && source) what = wrong_size(row.asked, *source);
+        if (WATCHED("verify: the size of A is that of its model", what.empty() && source))
+            what = wrong_size(row.asked, *source);
         if (what.empty()) continue;
         if (++count <= most) lines.push_back(fmt::format("{}: {}", name_of(row.asked), what));
     }

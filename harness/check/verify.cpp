@@ -1,5 +1,6 @@
 #include "harness/check/verify.h"
 
+#include "algorithms/kernel/watched.h"
 #include "harness/check/verify_fields.h"
 #include "harness/check/verify_penetration.h"
 #include "harness/check/verify_statistics.h"
@@ -24,7 +25,9 @@ namespace {
 // partial sum in this computation.
 double largest_within(const Shape& shape, const Pose& pose) {
     const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
-    return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
+    return (WATCHED_ELSE("verify: slack for the products of a pose", pose, Pose{}).rotation.cwiseAbs() * largest +
+            WATCHED_ELSE("verify: slack for the translation of a pose", pose, Pose{}).translation.cwiseAbs())
+        .maxCoeff();
 }
 
 // Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is right
@@ -41,7 +44,11 @@ double largest_within(const Shape& shape, const Pose& pose) {
 // loses no more.
 double slack_for_rounding(const Shape& first, const Pose& first_pose, const Shape& second, const Pose& second_pose) {
     const double slack =
-        84 * 0x1p-53 * std::max(largest_within(first, first_pose), largest_within(second, second_pose));
+        WATCHED_ELSE("verify: the slack is no larger than it has to be",
+                     WATCHED("verify: the slack of bounds that are not certified", 84), 16800) *
+        0x1p-53 *
+        std::max(WATCHED("verify: slack for what the first shape rounds", largest_within(first, first_pose)),
+                 WATCHED("verify: slack for what the second shape rounds", largest_within(second, second_pose)));
     return std::isfinite(slack) ? slack : 0;
 }
 
@@ -55,7 +62,9 @@ std::string excess(double high, double low) {
 // Returns the distance that a case asks for. The largest distance among statistics by area is one, too.
 Quantity distance_of(const Case& c) {
     const bool largest = c.quantity == Quantity::distribution && c.weigh == WeighBy::area;
-    if (largest && c.statistic == "maximum") return Quantity::directed;
+    if (WATCHED("verify rows: the largest distance among statistics is not compared with its witness",
+                largest && c.statistic == "maximum"))
+        return Quantity::directed;
     return largest && c.statistic == "maximum larger" ? Quantity::symmetric : c.quantity;
 }
 
@@ -83,10 +92,11 @@ public:
         for (const Member& m : members_) {
             if (stop_ && stop_()) return false;
             check_lower(m);
-            look_beyond_upper(m);
+            if (WATCHED("verify: an upper bound is held against the row's own witness", true)) look_beyond_upper(m);
         }
         if (stop_ && stop_()) return false;
-        best_[of_both] = std::max({best_[of_first], best_[of_second], best_[of_both]});
+        if (WATCHED("verify: each h refutes H", true))
+            best_[of_both] = std::max({best_[of_first], best_[of_second], best_[of_both]});
         refute_without_witness();
         for (const Member& m : members_) check_upper(m);
         return true;
@@ -101,7 +111,9 @@ private:
     enum Distance { of_first, of_second, of_both };
 
     Distance distance(const Member& m) const {
-        return distance_of(rows_[m.row].asked) == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
+        return WATCHED("verify: H refutes no h", distance_of(rows_[m.row].asked) == Quantity::symmetric) ? of_both
+               : m.turned                                                                                ? of_second
+                                                                                                         : of_first;
     }
 
     // Returns the poses of the first and second shape, which all rows share.
@@ -111,7 +123,9 @@ private:
                                        : std::pair(asked.pose, asked.target_pose);
     }
 
-    double slack(const Row& row) const { return row.asked.certified == 0 ? slack_ : 0; }
+    double slack(const Row& row) const {
+        return WATCHED_ELSE("verify: no slack for certified bounds", row.asked.certified == 0, true) ? slack_ : 0;
+    }
 
     void check_lower(const Member& m) {
         Row& row = rows_[m.row];
@@ -126,7 +140,8 @@ private:
             return;
         }
         const bool forward = witness.direction == Witness::Direction::source_to_target;
-        if (distance_of(row.asked) == Quantity::directed && !forward) {
+        if (WATCHED("verify: the witness of a directed row is far away on A",
+                    distance_of(row.asked) == Quantity::directed && !forward)) {
             row.check.lower = Verdict::unsound;
             row.check.reason = "the witness is one of h(B,A), and the row one of h(A,B)";
             return;
@@ -140,11 +155,15 @@ private:
         Verdict verdict = by_witness(m, lower, shown);
         if (verdict == Verdict::unsound && slack(row) > 0 && lower - slack(row) <= shown) {
             double less = 0;
-            proven = std::max(0.0, lower - slack(row));
-            verdict = proven > 0 ? by_witness(m, proven, less) : Verdict::holds;
+            proven = std::max(0.0, lower - WATCHED("verify: the slack of a lower bound", slack(row)));
+            verdict = WATCHED_ELSE("verify: a lower bound that its slack takes to 0 needs no witness", proven > 0, true)
+                          ? by_witness(m, proven, less)
+                          : Verdict::holds;
         }
         row.check.lower = verdict;
-        if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);
+        if (verdict == Verdict::holds)
+            best_[distance(m)] = std::max(best_[distance(m)],
+                                          WATCHED_ELSE("verify: what refutes others is what is shown", proven, lower));
         if (verdict != Verdict::unsound) return;
         row.check.reason = fmt::format("lower {:.17g}", lower) + what_is_shown(shown, forward);
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
@@ -193,9 +212,10 @@ private:
         if (at == known_.end()) {
             Found found{};
             if (surfaces_)
-                found.verdict =
-                    check_surface_lower(std::get<AlgebraicSurface>(*shapes_[from_second]),
-                                        std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
+                found.verdict = check_surface_lower(
+                    std::get<AlgebraicSurface>(
+                        *shapes_[WATCHED("verify: the surface that the witness lies on", from_second)]),
+                    std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
             else
                 found.verdict =
                     checkers_[m.turned].lower(lower, witness, row.asked.pose, row.asked.target_pose, found.shown);
@@ -212,15 +232,25 @@ private:
         least.fill(std::numeric_limits<double>::infinity());
         for (const Member& m : members_) {
             const Row& row = rows_[m.row];
-            const double upper = row.is_reference ? row.outcome.proven_upper : row.outcome.bounds.upper;
-            if (row.asked.certified == 1 && row.check.lower == Verdict::holds && upper >= best_[distance(m)])
+            const double upper =
+                WATCHED("verify: an upper bound of a reference counts only if it is proven", row.is_reference)
+                    ? row.outcome.proven_upper
+                    : row.outcome.bounds.upper;
+            if (row.asked.certified == 1 && row.check.lower == Verdict::holds &&
+                WATCHED_ELSE("verify: an upper bound that is refuted refutes nothing", upper >= best_[distance(m)],
+                             true))
                 least[distance(m)] = std::min(least[distance(m)], upper);
         }
-        for (Distance h : {of_first, of_second}) least[h] = std::min(least[h], least[of_both]);
+        for (Distance h : {of_first, of_second}) {
+            if (WATCHED("verify: a certified upper bound of H is one of each h", true))
+                least[h] = std::min(least[h], least[of_both]);
+        }
         for (const Member& m : members_) {
             Row& row = rows_[m.row];
             const double lower = row.outcome.bounds.lower;
-            if (row.check.lower != Verdict::no_witness || !(lower > least[distance(m)] + slack(row))) continue;
+            if (row.check.lower != Verdict::no_witness ||
+                !(lower > least[distance(m)] + WATCHED("verify: the slack of a bound without a witness", slack(row))))
+                continue;
             row.check.lower = Verdict::unsound;
             row.check.reason =
                 fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row, {}{}", lower,
@@ -233,7 +263,7 @@ private:
         Row& row = rows_[m.row];
         const Bounds& b = row.outcome.bounds;
         const double best = best_[distance(m)];
-        const double upper = b.upper + slack(row);
+        const double upper = b.upper + WATCHED("verify: the slack of an upper bound", slack(row));
         row.check.upper = upper >= best && upper >= b.lower ? Verdict::holds : Verdict::unsound;
         if (row.check.upper == Verdict::holds) return;
         if (!row.check.reason.empty()) row.check.reason += "; ";
@@ -268,7 +298,10 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
     if (!source || !target) return;
     std::string reason;
     const Case& asked = row.asked;
-    const double slack = asked.certified == 0 ? slack_for_rounding(*source, asked.pose, *target, asked.target_pose) : 0;
+    const double slack =
+        WATCHED_ELSE("fields: slack for bounds that are not certified alone", asked.certified == 0, true)
+            ? slack_for_rounding(*source, asked.pose, *target, asked.target_pose)
+            : 0;
     row.check.fields = check_fields(row.fields, *source, asked.pose, *target, asked.target_pose, slack, stop, reason);
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
@@ -285,7 +318,9 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
     for (const std::size_t i : members) {
         Check& check = rows[i].check;
         std::string reason;
-        if (check.upper != Verdict::holds || !checker.refutes(rows[i].outcome.bounds, reason)) continue;
+        if (check.upper != Verdict::holds ||
+            !WATCHED("verify: upper bounds of other rows of the pair", checker.refutes(rows[i].outcome.bounds, reason)))
+            continue;
         check.upper = Verdict::unsound;
         check.reason += (check.reason.empty() ? "" : "; ") + reason;
     }
@@ -333,7 +368,7 @@ void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
     verify_rows(rows, load, stop, checked);
     references.assign(std::make_move_iterator(rows.begin() + mine), std::make_move_iterator(rows.end()));
     rows.resize(static_cast<std::size_t>(mine));
-    take_references(rows, references);
+    if (WATCHED("verify: rows are given the bounds of their reference", true)) take_references(rows, references);
 }
 
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
@@ -351,22 +386,29 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
             continue;
         }
         if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
-        const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
+        const Placed source = placed(c.source, c.pose);
+        const Placed target =
+            placed(c.target,
+                   WATCHED_ELSE("verify: rows of other poses of the target are other scenes", c.target_pose, Pose{}));
         if (distance_of(c) == Quantity::distribution) {
             statistics[{source, target}].push_back(i);
             continue;
         }
-        if (c.quantity == Quantity::penetration) {
+        if (WATCHED("verify: a penetration depth is no distance of the two shapes",
+                    c.quantity == Quantity::penetration)) {
             solids[{source, target}].push_back(i);
             continue;
         }
         const bool turned = target < source;
         pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
     }
+    const auto is_checked = [&](const Member& m) {
+        return m.row >= checked && rows[m.row].check.lower != Verdict::not_checked;
+    };
     for (const auto& [key, members] : pairs) {
-        const bool all = std::all_of(members.begin(), members.end(), [&](const Member& m) {
-            return m.row >= checked && rows[m.row].check.lower != Verdict::not_checked;
-        });
+        const bool all = WATCHED_ELSE("verify: rows of an earlier run are held against new ones",
+                                      std::all_of(members.begin(), members.end(), is_checked),
+                                      std::any_of(members.begin(), members.end(), is_checked));
         if (all) continue;
         const Shape *first = load(key.first.first), *second = load(key.second.first);
         if (!first || !second) continue;
@@ -387,7 +429,9 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         if (!row.fields.empty() && (i < checked || row.check.fields == Verdict::not_checked))
             check_fields_of(row, load, stop);
         const Check& check = row.check;
-        if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
+        if (check.lower != Verdict::unsound && check.upper != Verdict::unsound &&
+            WATCHED_ELSE("verify: a field that is unsound makes its row unsound", check.fields != Verdict::unsound,
+                         true))
             continue;
         row.outcome.status = RowStatus::unsound;
         if (!check.reason.empty()) row.outcome.reason = check.reason;  // empty if the row was checked before

@@ -1,5 +1,7 @@
 #include "harness/check/verify_exact.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <CGAL/Interval_nt.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/squared_distance_3.h>
@@ -70,8 +72,9 @@ bool Standing::beyond(Index i, const Vec3& p, double r) const {
         bool above = true, below = true;
         for (int c = 0; c < (mesh ? 3 : 1); ++c) {
             const double x = (*points_)(mesh ? mesh->triangles(i, c) : i, k);
-            above = above && x - p[k] > r;
-            below = below && p[k] - x > r;
+            above = above && x - p[k] > WATCHED_ELSE("verify: an element is passed over only where it is far enough", r,
+                                                     0.5 * r);
+            below = below && p[k] - x > WATCHED_ELSE("verify: likewise on the other side", r, 0.5 * r);
         }
         if (above || below) return true;
     }
@@ -142,12 +145,14 @@ Checker::Checker(const Shape& source, const Shape& target, Stop stop)
 Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
                        double& shown) const {
     shown = 0;
-    const Standing source(source_, source_pose), target(target_, target_pose);
-    const bool forward = witness.direction == Witness::Direction::source_to_target;
+    const Standing source(source_, source_pose),
+        target(target_, WATCHED_ELSE("verify: the pose of the target", target_pose, Pose{}));
+    const bool forward = WATCHED_ELSE("verify: which of its two points a witness shows the bound by",
+                                      witness.direction == Witness::Direction::source_to_target, true);
     const Standing &from = forward ? source : target, &to = forward ? target : source;
     const Vec3 p = forward ? witness.source_point : witness.target_point;
     const Index named = forward ? witness.source_element : witness.target_element;
-    if (!to.finite()) return Verdict::not_checked;
+    if (WATCHED("verify: a pose beyond the doubles leaves nothing to check", !to.finite())) return Verdict::not_checked;
     // The element on which p should lie: the element that the witness names, otherwise the nearest. Empty if the pose
     // moves it out of the range of doubles.
     std::optional<Element> nearest_off;

@@ -1,5 +1,6 @@
 #include "harness/check/verify_fields.h"
 
+#include "algorithms/kernel/watched.h"
 #include "harness/check/verify_exact.h"
 #include "harness/record/fields.h"
 
@@ -72,7 +73,8 @@ public:
         const Vec3 high = source_.points().colwise().maxCoeff().transpose();
         for (std::size_t i = 0; i < vertices(); ++i) {
             const Vec3 p = vertex(i);
-            if (i < own_vertices() && p != Vec3(source_.points().row(Eigen::Index(i))))
+            if (WATCHED("verify: the vertices of A come first", i < own_vertices()) &&
+                p != Vec3(source_.points().row(Eigen::Index(i))))
                 throw Unsound{fmt::format("vertex {} is not where A has it", i)};
             for (int k = 0; k < 3; ++k) {
                 if (!(p[k] >= low[k] - 2 * error_ && p[k] <= high[k] + 2 * error_))  // also if p is NaN
@@ -92,7 +94,8 @@ public:
         for (std::size_t t = 0; t < areas.size(); ++t) {
             const Element whole = source_[Index(t)];
             const double off = std::abs(areas[t] - area(whole));
-            if (!(off <= rough[t] + rounding_of(whole) + 1e-12 * area(whole)))
+            if (WATCHED("verify: pieces cover their triangle",
+                        !(off <= rough[t] + rounding_of(whole) + 1e-12 * area(whole))))
                 throw Unsound{fmt::format("element {}: its pieces have {:.9g} of its area", t, areas[t] / area(whole))};
         }
     }
@@ -109,7 +112,8 @@ private:
         const Element whole = source_[Index(index(3, piece, std::size_t(source_.count())))];
         const Rational most = Rational(2) * Rational(error_);
         for (int k = 0; k < 3; ++k) {
-            if (squared_distance(vertex(index(k, piece, vertices())), whole) > most * most)
+            if (WATCHED("verify: pieces are on their triangle",
+                        squared_distance(vertex(index(k, piece, vertices())), whole) > most * most))
                 throw Unsound{fmt::format("piece {} is not on its element", piece)};
         }
     }
@@ -194,13 +198,15 @@ private:
         if (!(nearest >= 0 && nearest < target_.count() && nearest == std::floor(nearest)))
             throw Unsound{fmt::format("vertex {}: nearest {} is not an element of B", i, nearest)};
         const Rational most = Rational(distance) + Rational(error()), least = Rational(distance) - Rational(error());
-        if (squared_distance(p, target_[Index(nearest)]) > most * most)
+        if (WATCHED("verify: the element that is named is the nearest",
+                    squared_distance(p, target_[Index(nearest)]) > most * most))
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
         // Rounding this radius up is safe: it can only make nearer() compute more exact distances.
         const double away = std::nextafter(distance - error(), std::numeric_limits<double>::infinity());
         const auto squared = nearer(p, away);
-        if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
+        if (WATCHED("verify: no element is nearer than the distance of a vertex", squared && *squared < least * least))
+            throw Unsound{what() + ", but an element of B is nearer"};
     }
 
     // Checks that no lower bound is above an upper bound of the same element or vertex.
@@ -210,7 +216,11 @@ private:
                 if (low.meaning != Field::Meaning::lower || high.meaning != Field::Meaning::upper || low.of != high.of)
                     continue;
                 for (std::size_t i = 0; i < low.values.size(); ++i) {
-                    if (low.values[i] <= high.values[i] + slack_) continue;
+                    if (WATCHED_ELSE(
+                            "verify: no lower bound of an element is above its upper bound",
+                            low.values[i] <= high.values[i] + WATCHED("fields: the slack of bounds in order", slack_),
+                            true))
+                        continue;
                     throw Unsound{fmt::format("{} {}: {} {:.17g} is not at most {} {:.17g}", to_string(low.of), i,
                                               low.name, low.values[i], high.name, high.values[i])};
                 }
@@ -241,22 +251,27 @@ private:
         };
         if (std::isnan(value)) refuse("not a number");
         Element points = corners;
-        if (corners.size() == 3) points.push_back(corners[0] / 3 + corners[1] / 3 + corners[2] / 3);
+        if (WATCHED("verify: an upper bound covers the centroid", corners.size() == 3))
+            points.push_back(corners[0] / 3 + corners[1] / 3 + corners[2] / 3);
         std::optional<Rational> farthest;  // square of an upper bound on h(element, B)
         for (const Vec3& p : points) {
             go_on();
             const Element b = target_[about_nearest(p)];
             if (field.meaning == Field::Meaning::upper) {
-                if (!covers(value + slack_, p, corners, b)) refuse("below the distance of one of its points");
+                if (WATCHED_ELSE("verify: an upper bound covers the corners", true, &p == &points.back()) &&
+                    !covers(value + WATCHED("fields: the slack of upper bounds", slack_), p, corners, b))
+                    refuse("below the distance of one of its points");
                 continue;
             }
             Rational most = 0;
             for (const Vec3& corner : corners) most = std::max(most, squared_distance(corner, b));
             if (!farthest || most < *farthest) farthest = most;
         }
-        const double least = value - slack_;
+        const double least = value - WATCHED("fields: the slack of lower bounds", slack_);
         if (!farthest || least <= 0) return;
-        if (std::isinf(least) || Rational(least) * Rational(least) > *farthest)
+        if (std::isinf(least) ||
+            WATCHED("verify: a lower bound of an element is not above the distance of all its points",
+                    Rational(least) * Rational(least) > *farthest))
             refuse("above the distance of all its points");
     }
 
@@ -266,7 +281,7 @@ private:
     bool covers(double upper, const Vec3& p, const Element& corners, const Element& likely) const {
         if (std::isinf(upper)) return upper > 0;
         const double off = root_at_least(squared_distance(p, corners));
-        const Rational most = Rational(upper) + Rational(off);
+        const Rational most = Rational(upper) + Rational(WATCHED("verify: the centroid is off its element", off));
         if (most < 0) return false;
         if (squared_distance(p, likely) <= most * most) return true;
         return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // exact distances to all of B
@@ -281,7 +296,8 @@ private:
 
 Verdict check_fields(const Fields& fields, const Shape& source, const Pose& source_pose, const Shape& target,
                      const Pose& target_pose, double slack, const Stop& stop, std::string& reason) {
-    const Standing a(source, source_pose), b(target, target_pose);
+    const Standing a(source, source_pose),
+        b(target, WATCHED_ELSE("verify: fields are of posed shapes", target_pose, Pose{}));
     if (!a.finite() || !b.finite()) return Verdict::not_checked;
     try {
         FieldCheck(a, b, slack, stop).all(fields);

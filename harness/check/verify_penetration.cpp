@@ -1,5 +1,6 @@
 #include "harness/check/verify_penetration.h"
 
+#include "algorithms/kernel/watched.h"
 #include "harness/check/verify_exact.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -58,7 +59,9 @@ struct Body {
             for (std::size_t k = 0; k < 3; ++k)
                 corners[k] = {element[k][0] + 0.0, element[k][1] + 0.0, element[k][2] + 0.0};  // -0 is 0
             std::sort(corners.begin(), corners.end());
-            if (corners[0] == corners[1] || corners[1] == corners[2] || !known.insert(corners).second) continue;
+            if (corners[0] == corners[1] || corners[1] == corners[2] ||
+                WATCHED("verify_penetration: triangles that are there twice", !known.insert(corners).second))
+                continue;
             Eigen::AlignedBox3d box;
             for (const Vec3& v : element) box.extend(v);
             triangles.push_back(i);
@@ -174,14 +177,17 @@ std::string unsound(const char* bound, double value, const std::string& why) {
 // The two solids, and results of earlier checks.
 struct PenetrationChecker::Pair {
     Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop asked)
-        : source(a, a_pose), target(b, b_pose), stop(std::move(asked)) {
+        : source(a, a_pose),
+          target(b, WATCHED_ELSE("verify_penetration: poses", b_pose, Pose{})),
+          stop(std::move(asked)) {
         double largest = 0;
         for (const Body* body : {&source, &target}) {
             if (!body->surface.finite() || body->triangles.empty()) return;
             largest = std::max(largest, body->surface.points().cwiseAbs().maxCoeff());
             const double size = body->whole.diagonal().norm();
             if (!std::isfinite(8 * size)) return;  // a ray would end at infinity
-            if (!(size > 0x1p-500)) return;        // its square underflows, and a ray may end too early
+            // Its square underflows, and a ray may end too early.
+            if (WATCHED("verify penetration: rays through tiny solids", !(size > 0x1p-500))) return;
         }
         usable = true;
         slack = 1e-10 * largest;
@@ -199,12 +205,13 @@ struct PenetrationChecker::Pair {
         if (!p.allFinite()) return Verdict::no_witness;
         const Body &own = forward ? source : target, &other = forward ? target : source;
         const std::vector<Index> at = near(own, p, 2 * slack);
-        if (at.empty()) {
+        if (WATCHED("verify_penetration: the witness lies on its surface", at.empty())) {
             reason = unsound("lower", lower, "the witness is not on its surface");
             return Verdict::unsound;
         }
         const auto inside = other.holds(p);
-        if (inside != std::optional(true) && near(other, p, 2 * slack).empty()) {
+        if (WATCHED("verify_penetration: the witness lies in the other solid",
+                    inside != std::optional(true) && near(other, p, 2 * slack).empty())) {
             if (!inside) return Verdict::not_checked;
             reason = unsound("lower", lower, "the witness does not lie in the other solid");
             return Verdict::unsound;
@@ -220,7 +227,11 @@ struct PenetrationChecker::Pair {
             const Vec3 q = p + rough_offset(p, element);
             const bool cut = std::any_of(around.begin(), around.end(),
                                          [&](Index k) { return meet_near(element, own.surface[k], p, r); });
-            if (!cut && own.holds(q) == std::optional(false) && near(own, q, 2 * slack).empty()) {
+            if (WATCHED_ELSE(
+                    "verify_penetration: a nearer triangle that crosses the first solid",
+                    !cut && WATCHED_ELSE("verify_penetration: nearer triangles within the first solid",
+                                         own.holds(q) == std::optional(false) && near(own, q, 2 * slack).empty(), true),
+                    own.holds(q) != std::optional(true))) {
                 outside.push_back(q);
             } else if (same_part(p, q)) {
                 reason = bounded(lower, p, q);
@@ -245,7 +256,8 @@ struct PenetrationChecker::Pair {
         if (!(step < 0.25)) return false;
         const Vec3 begin = p + step * (q - p), end = q - step * (q - p), middle = 0.5 * (p + q);
         return source.holds(middle) == std::optional(true) && target.holds(middle) == std::optional(true) &&
-               !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
+               WATCHED_ELSE("verify_penetration: another part of the volume refutes nothing",
+                            !source.crossed_by(begin, end) && !target.crossed_by(begin, end), true);
     }
 
     // Returns whether p and q, points on the surfaces, are proven to bound the same part of the common volume: a
@@ -282,7 +294,9 @@ struct PenetrationChecker::Pair {
     // whole surface, and the bound is refuted.
     Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
-        if (own.connected_surface_meets(at, other)) return Verdict::holds;
+        if (WATCHED_ELSE("verify_penetration: an enclosed part is as far from the whole of the other mesh",
+                         own.connected_surface_meets(at, other), true))
+            return Verdict::holds;
         bool within = false;  // a vertex of the other mesh may lie inside `own`
         for (const Index i : other.triangles) {
             if (stop && stop()) return Verdict::not_checked;
@@ -308,7 +322,9 @@ struct PenetrationChecker::Pair {
                 for (const Vec3& p : own->surface[i]) {
                     if (!other->whole.contains(p) || !seen.insert({p[0], p[1], p[2]}).second) continue;
                     if (stop && stop()) return std::nullopt;
-                    if (other->holds(p) == std::optional(true) && deep(*other, p, length)) return p;
+                    if (WATCHED("verify_penetration: vertices that lie deeper",
+                                other->holds(p) == std::optional(true) && deep(*other, p, length)))
+                        return p;
                 }
             }
         }

@@ -1,6 +1,7 @@
 #include "harness/check/verify_statistics.h"
 
 #include "algorithms/error.h"
+#include "algorithms/kernel/watched.h"
 #include "harness/check/box_tree.h"
 #include "harness/check/verify_exact.h"
 
@@ -110,8 +111,11 @@ struct StatisticsChecker::Pair {
         if (!from.finite() || !to.finite()) return std::nullopt;
         const double largest = std::max(from.points().cwiseAbs().maxCoeff(), to.points().cwiseAbs().maxCoeff());
         // Products of four lengths must fit into doubles.
-        if (largest != 0 && !(largest > 1e-70 && largest < 1e70)) return std::nullopt;
-        if (has_tiny_edge(from) || has_tiny_edge(to)) return std::nullopt;
+        if (largest != 0 && !WATCHED_ELSE("verify statistics: lengths whose fourth power overflows",
+                                          (largest > 1e-70 && largest < 1e70), (largest > 1e-140 && largest < 1e140)))
+            return std::nullopt;
+        if (WATCHED("verify statistics: edges whose fourth power underflows", has_tiny_edge(from) || has_tiny_edge(to)))
+            return std::nullopt;
         const BoxTree tree(to);
         std::mt19937_64 random(of_source ? 1 : 2);
         std::uniform_real_distribution<double> uniform;

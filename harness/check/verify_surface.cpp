@@ -1,6 +1,7 @@
 #include "harness/check/verify_surface.h"
 
 #include "algorithms/kernel/interval_form.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
             if (!least || found < *least) least = found;
         }
         if (least) return least;
-        if (below && above) return reach;
+        if (below && above) return WATCHED("verify: a witness far from its surface costs how far it is", reach);
     }
     return std::nullopt;
 }

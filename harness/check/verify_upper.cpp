@@ -1,5 +1,7 @@
 #include "harness/check/verify_upper.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <CGAL/Interval_nt.h>
 
 #include <algorithm>
@@ -81,7 +83,8 @@ Judged judge(const Vec3& p, const Vec3& q, double upper) {
     Enclosure sum(0);
     for (int k = 0; k < 3; ++k) sum += CGAL::square(Enclosure(p[k]) - Enclosure(q[k]));
     const Enclosure most = CGAL::square(Enclosure(upper));
-    const bool certain = sum.sup() <= most.inf();
+    const bool certain =
+        WATCHED_ELSE("verify: a point is near if intervals prove it", sum.sup() <= most.inf(), sum.inf() <= most.sup());
     return {certain, !certain && !(sum.inf() > most.sup())};
 }
 
@@ -183,7 +186,9 @@ Verdict UpperCheck::of_points(const Shape& source, const Pose& source_pose, cons
                               const Pose& target_pose) const {
     const Standing a(source, source_pose), b(target, target_pose);
     const Verdict there = one_way(a, b, upper, seconds);
-    return there == Verdict::holds && quantity == Quantity::symmetric ? one_way(b, a, upper, seconds) : there;
+    return there == Verdict::holds && WATCHED("verify: H takes both directions", quantity == Quantity::symmetric)
+               ? one_way(b, a, upper, seconds)
+               : there;
 }
 
 const char* UpperCheck::words(Verdict verdict) {

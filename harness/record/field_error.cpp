@@ -1,5 +1,6 @@
 // The error of the distances that fields.cpp computes.
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "harness/record/fields.h"
 
 #include <algorithm>
@@ -56,14 +57,18 @@ namespace hausbench {
 // Over all triangles, again the smallest computed square wins, which costs 25uM, and its triangle is within 7uM of q:
 // 271uM + 25uM + 7uM = 303uM. Computing the distance from p to q errs by 4u * S < 14uM. 320uM covers the sum, 317uM.
 // Coordinates and distances that are scaled back to subnormal numbers are off by less than 2^-1072.
-double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
+double field_error(double magnitude) {
+    return WATCHED("fields: the error of a distance", 320 * unit_roundoff * magnitude) + 0x1p-1072;
+}
 
 // The steps above hold with M for B and p alone, in scaled coordinates below 1, if M >= 2^-440: a square that underflows
 // is less than 2^-1022, so the length is less than 2^-511, and in step 2 or 3 |h| is compared with more than 2^-493.
 // If M < 2^-440, B and p are in a box with a diagonal below 2^-438, and so is q. 2^-438 in scaled coordinates is at most
 // 2^-437 * largest; it also covers coordinates that underflow.
 double field_error(const Vec3& vertex, double magnitude, double largest) {
-    return field_error(std::max(magnitude, vertex.cwiseAbs().maxCoeff())) + 0x1p-437 * largest;
+    return field_error(
+               std::max(magnitude, WATCHED("fields: the error of a far vertex", vertex.cwiseAbs().maxCoeff()))) +
+           WATCHED("fields: squares that underflow beside a far vertex", 0x1p-437 * largest);
 }
 
 }  // namespace hausbench

@@ -3,6 +3,7 @@
 #include "algorithms/error.h"
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/triangle.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/structures/bvh.h"
 
 #include <algorithm>
@@ -22,7 +23,9 @@ namespace {
 Points standing(const PreparedShape& shape, const Pose& pose, const char* name) {
     if (kind_of(shape.shape()) == ShapeKind::surface)
         throw InputError("an algebraic surface has no vertices, so it has no fields: triangulate it first");
-    Points points = posed(shape.original(), pose);
+    Points points = posed(
+        WATCHED_ELSE("fields: the coordinates before they were scaled", shape.original(), points_of(shape.shape())),
+        WATCHED_ELSE("fields: the poses of both shapes", pose, Pose{}));
     if (points.allFinite()) return points;
     throw InputError(std::string("the pose moves a point of ") + name +
                      " beyond the largest double, 1.8e308: give both shapes in a larger unit");
@@ -156,15 +159,17 @@ private:
             const Piece& piece = pieces[i];
             for (int k = 0; k < 3; ++k) edges.push_back(edge_of(piece, k));
             const double off = off_at_centroid(piece);
-            if (off > resolution_ || is_long(piece)) wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
+            if (WATCHED("fields: centroids of pieces are compared", off > resolution_) || is_long(piece))
+                wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
         }
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         for (const Edge edge : edges) {
             const double off = off_at_midpoint(edge);
-            if (off > resolution_) wanted.emplace_back(off, edge);
+            if (WATCHED("fields: midpoints of edges are compared", off > resolution_)) wanted.emplace_back(off, edge);
         }
-        std::sort(wanted.begin(), wanted.end(), std::greater<>());
+        WATCHED_ELSE("fields: the largest differences first", std::sort(wanted.begin(), wanted.end(), std::greater<>()),
+                     std::sort(wanted.begin(), wanted.end()));
         return wanted;
     }
 
@@ -246,7 +251,8 @@ private:
             for (const std::size_t i : pieces_at(edge)) {
                 for (int k = 0; k < 3; ++k) more += edge_of(pieces[i], k) == edge ? 1 : 0;  // twice on a segment
                 here.push_back(i);
-                open.push_back(edge_of(pieces[i], longest_of(pieces[i])));
+                if (WATCHED("fields: with an edge the longest of its pieces is bisected", true))
+                    open.push_back(edge_of(pieces[i], longest_of(pieces[i])));
             }
         }
         if (pieces.size() + due_ + more > most_) {
@@ -309,7 +315,7 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     Shape there = target.shape();
     points_of(there) = standing(target, target_pose, "B");
     const double largest = std::max(magnitude(here), magnitude(points_of(there)));
-    const int exponent = scale_exponent(largest);
+    const int exponent = WATCHED("fields: scaled so that no square overflows", scale_exponent(largest));
     const PreparedShape from(PointSet{here}, exponent), to(std::move(there), exponent);
     const Shape& whole = source.shape();
     const auto* mesh = std::get_if<TriangleMesh>(&whole);
@@ -325,7 +331,9 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
         if (element >= 0 && element < mesh->triangles.rows() && witness.allFinite()) {
             const TriangleMesh scaled{points_of(from.shape()), mesh->triangles.row(element)};
             const double off = std::sqrt(closest_point(witness, triangle_of(scaled, 0)).squared_distance);
-            if (off <= field_error(std::ldexp(largest, exponent))) cutter.insert(witness, element);
+            if (WATCHED_ELSE("fields: a witness that is not on its triangle is no vertex",
+                             off <= field_error(std::ldexp(largest, exponent)), off >= 0))
+                cutter.insert(witness, element);
         }
         const double lower = std::isfinite(drawing.lower) ? std::ldexp(drawing.lower, exponent) : 0;
         drawn.resolved = cutter.cut(drawing.fraction * std::max(lower, farthest));
@@ -336,7 +344,8 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     for (Index i = 0; i < count; ++i) {
         const Vec3& p = cutter.points[static_cast<std::size_t>(i)];
         for (int k = 0; k < 3 && i >= here.rows(); ++k) drawn.vertices(i, k) = std::ldexp(p[k], -exponent);
-        drawn.distances.push_back(std::ldexp(cutter.distances[static_cast<std::size_t>(i)], -exponent));
+        drawn.distances.push_back(std::ldexp(cutter.distances[static_cast<std::size_t>(i)],
+                                             WATCHED("fields: distances are scaled back", -exponent)));
     }
     drawn.nearest = std::move(cutter.nearest);
     drawn.pieces.resize(pieces, 3);

@@ -25,8 +25,8 @@ from typing import TYPE_CHECKING
 from hausbench._core import solvers, version
 from hausbench.answers import Answer, Field, Verdict, Witness
 from hausbench.calls import certify, directed, distribution, field, symmetric, verify, within
-from hausbench.errors import InputError, Undecided
-from hausbench.interval import Interval
+from hausbench.errors import InputError
+from hausbench.interval import Interval, Undecided
 from hausbench.prepared import Prepared, prepare
 from hausbench.shapes import Shape, read
 

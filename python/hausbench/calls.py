@@ -37,10 +37,12 @@ from typing import TYPE_CHECKING
 
 from hausbench import _core
 from hausbench.answers import Answer, Field, Verdict
-from hausbench.errors import InputError, Undecided
-from hausbench.interval import Interval
-from hausbench.options import INFINITY, flag, matrix_of, number, pair_of, progress_of, query_of
-from hausbench.shapes import path_of, shape_of
+from hausbench.arguments import flag, number
+from hausbench.errors import InputError
+from hausbench.interval import Interval, Undecided
+from hausbench.options import INFINITY, matrix_of, pair_of, progress_of, query_of
+from hausbench.shape_like import shape_of
+from hausbench.shapes import path_of
 
 if TYPE_CHECKING:
     from hausbench._core import Chain, Pair, Query

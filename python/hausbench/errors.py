@@ -1,11 +1,6 @@
-"""The exceptions of this package."""
+"""The exception for wrong arguments. Undecided is in interval.py."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from hausbench.interval import Interval
 
 
 class InputError(ValueError):
@@ -27,16 +22,3 @@ class InputError(ValueError):
     def without(self, prefix: str, remedy: str, other: str) -> InputError:
         """Returns the same error in words of this package: without a prefix, and with another remedy."""
         return InputError(str(self).removeprefix(prefix).replace(remedy, other), self.row)
-
-
-class Undecided(Exception):
-    """An interval contains both answers to a yes/no question. `interval` holds, and says how much is known.
-
-    The text says what may decide: a finer tolerance, more time, or another length.
-    """
-
-    interval: Interval | None
-
-    def __init__(self, text: str, interval: Interval | None = None) -> None:
-        super().__init__(text)
-        self.interval = interval

@@ -1,13 +1,24 @@
-"""Intervals, which every bound of this package is."""
+"""Intervals, which every bound of this package is, and the exception for those that do not decide a question."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, Union
 
-from hausbench.errors import Undecided
-
 Number = Union["Interval", float]
+
+
+class Undecided(Exception):
+    """An interval contains both answers to a yes/no question. `interval` holds, and says how much is known.
+
+    The text says what may decide: a finer tolerance, more time, or another length.
+    """
+
+    interval: Interval | None
+
+    def __init__(self, text: str, interval: Interval | None = None) -> None:
+        super().__init__(text)
+        self.interval = interval
 
 
 def _outward(value: float, digits: int, up: bool) -> str:

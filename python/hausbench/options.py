@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import operator
 import os
 import re
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from hausbench._core import Pair, Query
+from hausbench.arguments import choice, count, number
 from hausbench.errors import InputError
-from hausbench.interval import Interval, exact
+from hausbench.interval import Interval
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,44 +22,6 @@ if TYPE_CHECKING:
 UNITS = {"diagonal": 0, "length": 1, "lower": 2}
 WEIGHTS = {"area": False, "vertex": True}
 INFINITY = float("inf")
-
-
-def number(value: object, name: str) -> float:
-    if type(value) is float:
-        return value
-    if isinstance(value, (str, bytes, bool)):
-        raise InputError(f"{name}: {value!r} is not a number")
-    try:
-        rounded = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: {value!r} is not a number") from None
-    if exact(value) != rounded and rounded == rounded:
-        raise InputError(f"{name}: no double is {value!r}: round it with float(), if you mean that")
-    return rounded
-
-
-def flag(value: object, name: str) -> bool:
-    chosen = exact(value)
-    if not isinstance(chosen, bool):
-        raise InputError(f"{name}: {value!r} is neither True nor False")
-    return chosen
-
-
-def count(value: object, name: str) -> int:
-    try:
-        chosen = operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        chosen = 0
-    if not 1 <= chosen < 2**31 or isinstance(value, bool):
-        raise InputError(f"{name}: {value!r} is not a number of threads: give an integer from 1")
-    return chosen
-
-
-def _choice(value: str, name: str, choices: Mapping[str, int]) -> int:
-    try:
-        return choices[value]
-    except (KeyError, TypeError):
-        raise InputError(f"{name}: {value!r} is not one of {', '.join(choices)}") from None
 
 
 def matrix_of(pose: Pose | None, name: str) -> npt.NDArray[np.float64] | None:
@@ -94,10 +56,10 @@ def _in_file(path: str | os.PathLike[str], name: str) -> list[list[float]]:
 
 def query_of(tolerance: float, relative_to: str, threads: int, time_limit: float | None, pose: Pose | None,
              target_pose: Pose | None, share_tolerance: float = 1e-3, weigh: str = "area") -> Query:
-    return Query(_width(tolerance, "tolerance"), _choice(relative_to, "relative_to", UNITS), count(threads, "threads"),
+    return Query(_width(tolerance, "tolerance"), choice(relative_to, "relative_to", UNITS), count(threads, "threads"),
                  INFINITY if time_limit is None else _seconds(time_limit), matrix_of(pose, "pose"),
                  matrix_of(target_pose, "target_pose"), _width(share_tolerance, "share_tolerance"),
-                 bool(_choice(weigh, "weigh", WEIGHTS)))
+                 bool(choice(weigh, "weigh", WEIGHTS)))
 
 
 def _width(value: object, name: str) -> float:

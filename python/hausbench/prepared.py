@@ -10,7 +10,8 @@ from hausbench._core import Chain, Pair
 from hausbench.answers import Answer, Field
 from hausbench.calls import decide, field_of
 from hausbench.options import pair_of, progress_of, query_of
-from hausbench.shapes import Shape, shape_of
+from hausbench.shape_like import shape_of
+from hausbench.shapes import Shape
 
 if TYPE_CHECKING:
     from hausbench.interval import Interval

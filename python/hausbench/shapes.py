@@ -1,4 +1,4 @@
-"""Shapes, and how one is made of anything that has the geometry of one."""
+"""Shapes, and how they are read from files."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ import os
 from typing import TYPE_CHECKING
 
 from hausbench import _core
+from hausbench.arguments import flag
 from hausbench.errors import InputError
-from hausbench.options import flag
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
-
-    from hausbench.typing import ShapeLike
 
 
 class Shape:
@@ -174,26 +172,3 @@ def path_of(path: str | os.PathLike[str]) -> bytes:
         return os.fsencode(path)
     except TypeError:
         raise InputError(f"path: a {type(path).__name__} is not a path: give a str or os.PathLike") from None
-
-
-def shape_of(thing: ShapeLike, name: str) -> Shape:
-    """Returns the Shape of a mesh or point set, see `directed`. Errors begin with `name`."""
-    if isinstance(thing, Shape):
-        return thing
-    try:
-        if isinstance(thing, tuple) and (len(thing) == 2 or _is_marching_cubes(thing)):
-            return Shape(thing[0], thing[1])
-        if isinstance(thing, (str, os.PathLike)):
-            return read(thing)
-        if hasattr(thing, "__array__") or isinstance(thing, (list, tuple, memoryview)):
-            return Shape(thing)  # type: ignore[arg-type]  # hasattr() tells mypy nothing
-        from hausbench.objects import shape_of_object
-
-        return shape_of_object(thing)
-    except InputError as error:
-        raise error.about(name) from None
-
-
-def _is_marching_cubes(thing: tuple[object, ...]) -> bool:
-    """Returns whether this is (vertices, faces, normals, values), as of skimage.measure.marching_cubes."""
-    return [getattr(array, "ndim", None) for array in thing] == [2, 2, 2, 1]

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, NoReturn
 
 from hausbench.answers import STATUSES
+from hausbench.arguments import number
 from hausbench.errors import InputError
 from hausbench.interval import Interval
-from hausbench.options import INFINITY, number, progress_of
+from hausbench.options import INFINITY, progress_of
 
 if TYPE_CHECKING:
     from hausbench._core import Pair, Query

@@ -187,8 +187,8 @@ Groups groups() {
     return all;
 }
 
-void write(const Groups& all, const char* path) {
-    std::ofstream out(path);
+void write(const Groups& all, const char* to) {
+    std::ofstream out(to);
     for (const auto& [group, count] : all) {
         const Counts counts = count();
         if (std::all_of(counts.begin(), counts.end(), [](const auto& one) { return one.second == Counters{}; }))
@@ -203,7 +203,7 @@ void write(const Groups& all, const char* path) {
             out << fmt::format("\"{}\" = {{ {} }}\n", name, fields);
         }
     }
-    ASSERT_TRUE(out.flush()) << path << " cannot be written";
+    ASSERT_TRUE(out.flush()) << to << " cannot be written";
 }
 
 std::set<std::string> keys(const toml::table& table) {

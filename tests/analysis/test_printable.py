@@ -13,7 +13,7 @@ from synthetic import ResultFile
 
 from analysis.__main__ import main
 from analysis.report import all_rows, pages
-from analysis.shared import tables
+from analysis.shared import table_files, tables
 from analysis.shared.printable import printable
 
 HOSTILE = "\x1b]0;owned\x07\u202ename\u200b"
@@ -34,7 +34,7 @@ def test_pages_hold_no_hidden_characters() -> None:
 
 def test_no_cell_of_a_csv_is_a_formula() -> None:
     texts = ["=1+1", "+cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "-2.5e3", "+inf", "a=b", ""]
-    assert [row["x"] for row in csv.DictReader(io.StringIO(tables.comma_separated([{"x": text} for text in texts])))] == [
+    assert [row["x"] for row in csv.DictReader(io.StringIO(table_files.comma_separated([{"x": text} for text in texts])))] == [
         "'=1+1", "'+cmd|' /C calc'!A0", "'@SUM(1)", "'-2+3", "-2.5e3", "+inf", "a=b", ""]
 
 
@@ -45,7 +45,7 @@ def test_errors_and_tables_hold_no_escapes(tmp_path: Path, capsys: pytest.Captur
     assert main(["zhang2017_fig8", "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert "name" in said and all(c == "\n" or c.isprintable() for c in said)
-    for path in tables.save(tables.Table(HOSTILE, ["a"], [[HOSTILE]]), [{"a": HOSTILE}], tmp_path, "t"):
+    for path in table_files.save(tables.Table(HOSTILE, ["a"], [[HOSTILE]]), [{"a": HOSTILE}], tmp_path, "t"):
         assert all(c == "\n" or c.isprintable() for c in path.read_text(encoding="utf-8"))
 
 

@@ -10,7 +10,7 @@ import pytest
 from synthetic import ResultFile
 
 from analysis import opposite
-from analysis.shared import beside_paper, claims, sizes, tables
+from analysis.shared import beside_paper, claims, sizes, table_files
 from analysis.shared.cells import Grid
 from analysis.shared.load import load
 from analysis.shared.results import Results
@@ -75,7 +75,7 @@ def test_a_verdict_of_smaller_sizes_names_the_kept_one(tmp_path: Path, monkeypat
     assert sizes.tested([printed], small, "tang2009_pd")[0].outcome == UNTESTED  # ours, but it compares with a printed number
     assert never.outcome == UNTESTED and "not been measured at the paper's sizes" in never.evidence
     record = claims.record(replace(greater, outcome=HOLDS), "zhang2017_fig8", "paper")
-    tables.save_json([record], tmp_path / "reference" / f"kept{claims.SUFFIX}")
+    table_files.save_json([record], tmp_path / "reference" / f"kept{claims.SUFFIX}")
     line = sizes.tested([greater], small, "zhang2017_fig8")[0].line()
     assert "Here: not tested (at these sizes, profile quick; at the paper's sizes: holds, see results/reference)." in line
     assert sizes.tested([greater], results_of(tmp_path, TOML.replace("{}", "large")), "zhang2017_fig8") == [greater]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.shared import tables
+from analysis.shared import numerals, table_files, tables
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
 from analysis.shared.verdicts import above_one
 
@@ -19,7 +19,7 @@ from analysis.shared.verdicts import above_one
     (0.000123456, "0.000123"), (1.6e-8, "1.60e-8"), (-2.5, "-2.50"), (math.inf, "inf"), (math.nan, "—"),
     (5e12, "5.00e12")])
 def test_number(x: float, text: str) -> None:
-    assert tables.number(x) == text
+    assert numerals.number(x) == text
 
 
 def test_shortened_bounds_hold() -> None:
@@ -29,23 +29,23 @@ def test_shortened_bounds_hold() -> None:
         low = rng.uniform(-1, 1) * 10.0 ** rng.randint(-12, 12)
         high, digits, times, over = low + abs(low) * rng.choice([0, 1e-16, 1e-9, 0.1]), rng.randint(1, 12), rng.choice([1.0, 100.0, 1e3]), rng.uniform(1e-3, 1e3)
         exact = [Fraction(end) * Fraction(times) / Fraction(over) for end in (low, high)]
-        shown = [Fraction(end) for end in tables.bounds(low, high, digits, times, over)[1:-1].split(", ")]
+        shown = [Fraction(end) for end in numerals.bounds(low, high, digits, times, over)[1:-1].split(", ")]
         assert shown[0] <= exact[0] <= exact[1] <= shown[1]
         assert all(abs(a - b) <= abs(b) * Fraction(10) ** (1 - digits) for a, b in zip(shown, exact))
-    assert tables.bounds(9.996, 99.96) == "[9.99, 100]" and tables.bounds(0.25, 0.5) == "[0.250, 0.500]" and tables.bounds(0, math.inf) == "[0, inf]"
-    assert tables.bounds(1.6e-8, 92576.4) == "[1.60e-8, 92577]" and tables.bounds(math.nan, 1) == "—"
+    assert numerals.bounds(9.996, 99.96) == "[9.99, 100]" and numerals.bounds(0.25, 0.5) == "[0.250, 0.500]" and numerals.bounds(0, math.inf) == "[0, inf]"
+    assert numerals.bounds(1.6e-8, 92576.4) == "[1.60e-8, 92577]" and numerals.bounds(math.nan, 1) == "—"
 
 
 def test_an_interval_that_excludes_a_limit_shows_it() -> None:
-    assert tables.bounds(4, 5 - 2**-17, limit=5) == "[4.000000, 4.999993]" and tables.bounds(5 + 2**-30, 6, limit=5) == "[5.0000000009, 6.0000000000]"
-    assert tables.bounds(4.75, 5.25, limit=5) == "[4.75, 5.25]" and tables.bounds(4.5, 5, limit=5) == "[4.50, 5.00]"
+    assert numerals.bounds(4, 5 - 2**-17, limit=5) == "[4.000000, 4.999993]" and numerals.bounds(5 + 2**-30, 6, limit=5) == "[5.0000000009, 6.0000000000]"
+    assert numerals.bounds(4.75, 5.25, limit=5) == "[4.75, 5.25]" and numerals.bounds(4.5, 5, limit=5) == "[4.50, 5.00]"
     barely = Estimate(1.2, 1.0004, 1.5, 9, 0.96)
-    assert tables.ratio(barely) == "1.20 [1.0004, 1.5000]" and "[1.0004," in above_one("it is faster", barely).evidence
+    assert numerals.ratio(barely) == "1.20 [1.0004, 1.5000]" and "[1.0004," in above_one("it is faster", barely).evidence
 
 
 def test_a_value_is_rounded_only_if_its_interval_agrees() -> None:
-    assert tables.value(0.12341, 0.12349) == "0.123" and tables.value(0.12341, 0.12351) == "[0.123, 0.124]"
-    assert tables.value(0.5, 0.5, over=3.0) == "0.167" and tables.value(math.nan, math.nan) == "—"
+    assert numerals.value(0.12341, 0.12349) == "0.123" and numerals.value(0.12341, 0.12351) == "[0.123, 0.124]"
+    assert numerals.value(0.5, 0.5, over=3.0) == "0.167" and numerals.value(math.nan, math.nan) == "—"
 
 
 def names_in(node: ast.AST) -> set[str]:
@@ -59,7 +59,7 @@ def test_no_bound_is_rounded_to_nearest() -> None:
     """Bounds are printed with at_least(), at_most() and bounds(), never with number() or a format; estimate() is about statistics."""
     wrong = []
     for file in (Path(__file__).resolve().parents[2] / "analysis").rglob("*.py"):
-        if file.name == "tables.py":
+        if file.name == "numerals.py":
             continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             shown = (node.value if isinstance(node, ast.FormattedValue) and node.format_spec and "." in ast.unparse(node.format_spec) else
@@ -71,17 +71,17 @@ def test_no_bound_is_rounded_to_nearest() -> None:
 
 def test_estimate_and_ratio() -> None:
     clear, open_ = Estimate(2.0, 1.5, 2.5, 9, 0.96), Estimate(1.1, 0.9, 1.3, 9, 0.96)
-    assert tables.estimate(clear) == "2.00 [1.50, 2.50]" == tables.ratio(clear)
-    assert tables.ratio(open_) == "1.10 [0.900, 1.30] (not separated)"
-    assert tables.ratio(Estimate(2.0, 1.5, 2.5, 2, 0.5)) == "2.00 [1.50, 2.50] (not judged, n = 2)"
-    assert tables.ratio(exact(2.0)) == "2.00" and tables.ratio(exact(1.0)) == "1.00 (not separated)"
-    assert tables.estimate(median([0.5]), 1e3) == "500"
-    assert tables.estimate(NO_DATA) == tables.ratio(NO_DATA) == "—"
+    assert numerals.estimate(clear) == "2.00 [1.50, 2.50]" == numerals.ratio(clear)
+    assert numerals.ratio(open_) == "1.10 [0.900, 1.30] (not separated)"
+    assert numerals.ratio(Estimate(2.0, 1.5, 2.5, 2, 0.5)) == "2.00 [1.50, 2.50] (not judged, n = 2)"
+    assert numerals.ratio(exact(2.0)) == "2.00" and numerals.ratio(exact(1.0)) == "1.00 (not separated)"
+    assert numerals.estimate(median([0.5]), 1e3) == "500"
+    assert numerals.estimate(NO_DATA) == numerals.ratio(NO_DATA) == "—"
 
 
 def test_unit() -> None:
-    assert tables.time_unit([0.01, 0.02, 5.0]) == ("ms", 1000.0)
-    assert tables.time_unit([0.01, 0.2, math.nan, 5.0]) == ("s", 1.0)
+    assert numerals.time_unit([0.01, 0.02, 5.0]) == ("ms", 1000.0)
+    assert numerals.time_unit([0.01, 0.2, math.nan, 5.0]) == ("s", 1.0)
 
 
 def test_coverage_note() -> None:
@@ -95,7 +95,7 @@ def test_forms(tmp_path: Path) -> None:
     table = tables.Table("Caption_1 & more", ["a|b", "x"], [["p_1", "50 %"], ["[q]", "—"]], ["A note: 3 × 4."],
                          rules={1})
     records: list[tables.Record] = [{"name": "p,1", "value": 0.1 + 0.2}, {"name": "q", "value": math.nan}]
-    paths = tables.save(table, records, tmp_path, "stem")
+    paths = table_files.save(table, records, tmp_path, "stem")
     assert [path.name for path in paths] == ["stem.csv", "stem.md", "stem.tex"]
     rows = list(csv.DictReader(paths[0].open()))
     assert float(rows[0]["value"]) == 0.1 + 0.2 and rows[0]["name"] == "p,1" and rows[1]["value"] == ""
@@ -109,7 +109,7 @@ def test_forms(tmp_path: Path) -> None:
 
 def test_a_table_is_whole_or_the_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "t.md"
-    tables.write_whole(path, "old")
+    table_files.write_whole(path, "old")
 
     def half(self: Path, content: bytes) -> None:
         with self.open("wb") as out:
@@ -118,5 +118,5 @@ def test_a_table_is_whole_or_the_old_one(tmp_path: Path, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Path, "write_bytes", half)
     with pytest.raises(OSError, match="full"):
-        tables.write_whole(path, "new")
+        table_files.write_whole(path, "new")
     assert path.read_text() == "old" and [file.name for file in tmp_path.iterdir()] == ["t.md"]

@@ -14,7 +14,7 @@ import pytest
 from synthetic import ResultFile
 
 from analysis import check_reference, opposite, paper_profile
-from analysis.shared import claims, missing, sizes, tables, unlike
+from analysis.shared import claims, missing, sizes, table_files, tables, unlike
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
@@ -86,7 +86,7 @@ def test_claims_about_them_are_not_judged_beside_kept_verdicts(make: Make, tmp_p
     unlike.keep(make())
     before = [replace(verdict, outcome=HOLDS) for verdict in verdicts_of(make())]
     assert [verdict.outcome for verdict in verdicts_of(make("x/B"))] == [FAILS] * 3  # no verdict is kept: these claims are of this run alone
-    kept = tables.save_json(claims.records(before, STEM, "paper"), tmp_path / f"kept{claims.SUFFIX}")
+    kept = table_files.save_json(claims.records(before, STEM, "paper"), tmp_path / f"kept{claims.SUFFIX}")
     assert [verdict.outcome for verdict in verdicts_of(make())] == [FAILS] * 3
     now = verdicts_of(make("x/B"))
     assert [verdict.outcome for verdict in now] == [UNTESTED, UNTESTED, FAILS]

@@ -9,7 +9,7 @@ import pytest
 import synthetic
 
 from analysis import paper_profile, winners
-from analysis.shared import style, tables
+from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.statistics import Estimate
 
@@ -29,7 +29,7 @@ def kept(folder: Path, stem: str = "zhang2017_table3", times: dict[str, dict[str
          "n": {0: 0, 1: 1, 3: rounds}[len(seconds)], "apart": apart}
         for scene, own in times.items() for solver, seconds in (own | (changed if scene == first else {})).items()]
     for name, (file, _) in winners.RACES.items():
-        tables.save_json(found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX))
+        table_files.save_json(found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX))
     return folder
 
 
@@ -60,7 +60,7 @@ def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
             if title in titles:
                 one = by_cell[scene, title]
                 value, low, high = [*one.seconds, *[float("nan")] * 3][:3]
-                printed = tables.estimate(Estimate(value, low, high, one.n, 1.0), 1000)
+                printed = numerals.estimate(Estimate(value, low, high, one.n, 1.0), 1000)
                 assert cell == printed if one.n else not cell[0].isdigit()
 
 
@@ -110,7 +110,7 @@ def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
         assert paper_profile.main([file.stem.partition("_table")[0], "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     points = {(one.scene, one.label): one for one in winners.read("points_speed.md", tmp_path)}
     scan, other = points["overlapping_100K", "scan"], points["noisy_100K", "scipy_ckdtree"]
-    assert [tables.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"] and scan.name == "`scan`" and scan.apart == ""
+    assert [numerals.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"] and scan.name == "`scan`" and scan.apart == ""
     assert other.seconds == pytest.approx([0.08]) and other.n == 1 and other.name == "SciPy cKDTree"
     assert points["noisy_100K", "earlybreak"].n == 0 and not points["noisy_100K", "earlybreak"].seconds
     assert "| SciPy cKDTree |" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")

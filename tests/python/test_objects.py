@@ -8,7 +8,7 @@ from typing import Any
 import hausbench as hb
 import numpy as np
 import pytest
-from hausbench.shapes import shape_of
+from hausbench.shape_like import shape_of
 
 CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [9, 9, 9]], float)
 

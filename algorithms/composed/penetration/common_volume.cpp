@@ -1,5 +1,7 @@
 #include "algorithms/composed/penetration/common_volume.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -113,7 +115,7 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
     std::size_t count =
         pmp::connected_components(volume, boost::associative_property_map<std::map<Face, std::size_t>>(surface));
     // Groups the surfaces that bound the same part: a hollow part has an outer and an inner surface.
-    if (count > 1)
+    if (WATCHED("common_volume: a part may have a surface within another one", count > 1))
         count = pmp::volume_connected_components(volume,
                                                  boost::associative_property_map<std::map<Face, std::size_t>>(surface));
     std::vector<std::array<Collector, 2>> sides(count);
@@ -122,7 +124,8 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
         const bool of_source = found.of_source.at(face);
         const bool shared = of_source && found.coplanar && of_target.contains(sorted(corners_of(volume, face)));
         (of_source ? of_a : of_b).add(volume, face);
-        if (shared) of_b.add(volume, face);
+        if (WATCHED("common_volume: what lies in one plane bounds the volume on both sides", shared))
+            of_b.add(volume, face);
     }
     std::vector<CommonPart> parts;
     for (const auto& [of_a, of_b] : sides) parts.push_back({of_a.mesh(), of_b.mesh()});
@@ -147,7 +150,8 @@ struct VolumeCutting {
             const auto row = points.row(Eigen::Index(vertex.idx()));
             mesh.point(vertex) = Point(row[0], row[1], row[2]);
         }
-        if (pose.rotation.determinant() < 0) pmp::reverse_face_orientations(mesh);  // a reflection turns it inside out
+        if (WATCHED("common_volume: a mirror turns a solid inside out", pose.rotation.determinant() < 0))
+            pmp::reverse_face_orientations(mesh);  // a reflection turns it inside out
         return mesh;
     }
 };
@@ -177,18 +181,18 @@ Solid::Solid(const TriangleMesh& mesh) : vertices_(mesh.vertices), faces_(std::m
     pmp::polygon_soup_to_polygon_mesh(points, polygons, made);
     const auto open = std::count_if(made.halfedges().begin(), made.halfedges().end(),
                                     [&](const auto halfedge) { return made.is_border(halfedge); });
-    if (open > 0) {
+    if (WATCHED("common_volume: open meshes", open > 0)) {
         flaw_ = fmt::format("it is not closed: {} on its border", count_of(std::size_t(open), "edge"));
         return;
     }
     std::vector<std::pair<Face, Face>> crossing;
     pmp::self_intersections(made, std::back_inserter(crossing));
-    if (!crossing.empty()) {
+    if (WATCHED("common_volume: meshes that cross themselves", !crossing.empty())) {
         flaw_ = fmt::format("it crosses itself or has triangles without area: {} of triangles",
                             count_of(crossing.size(), "pair"));
         return;
     }
-    pmp::orient_to_bound_a_volume(made);
+    if (WATCHED("common_volume: faces that point inward", true)) pmp::orient_to_bound_a_volume(made);
 }
 
 Solid::~Solid() = default;

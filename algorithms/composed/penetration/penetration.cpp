@@ -17,6 +17,7 @@
 #include "algorithms/composed/penetration/common_volume.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/adapter.h"
 #include "algorithms/session/session.h"
@@ -99,13 +100,18 @@ private:
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
-            return TriangleMesh{posed(mesh.vertices, pose), mesh.triangles};
+            return TriangleMesh{
+                posed(mesh.vertices, WATCHED_ELSE("penetration: the whole of the enclosing mesh where its pose puts it",
+                                                  pose, Pose{})),
+                mesh.triangles};
         };
         Scene scene{in_source ? part.of_target : part.of_source,
                     in_target   ? whole(mesh_of(scene_->target), query.target_pose)
                     : in_source ? whole(mesh_of(scene_->source), query.source_pose)
                                 : part.of_target};
-        query.quantity = in_target || in_source ? Quantity::directed : Quantity::symmetric;
+        query.quantity = WATCHED("penetration: a part that one mesh encloses alone", in_target || in_source)
+                             ? Quantity::directed
+                             : Quantity::symmetric;
         query.source_pose = query.target_pose = {};
         query.wanted = {};
         QuerySet queries;
@@ -116,7 +122,8 @@ private:
         Trace untraced;
         Result result = session.solve(query, untraced);
         if (in_source) {
-            std::swap(result.witness.source_point, result.witness.target_point);
+            if (WATCHED("penetration: the witness of a part of B alone", true))
+                std::swap(result.witness.source_point, result.witness.target_point);
             result.witness.direction = Witness::Direction::target_to_source;
         }
         result.witness.source_element = result.witness.target_element = -1;  // they refer to the cut meshes

@@ -4,6 +4,7 @@
 
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/splitmix.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/worker.h"
 
 #include <array>
@@ -56,7 +57,10 @@ struct CoverBatch {
     // Returns an upper bound on the length of any point of the pieces, and of the corners of cuts, in local coordinates
     // (OffsetCover::extent). With u = 2^-24, rounding to float moves a point by at most u * radius. A new corner is off by
     // at most 5u * radius, and slack allows a chain of at most 36 cuts (OffsetCover::most_slack): 181u < 2^-16 in all.
-    double extent() const { return radius * place.inverse * (1 + 0x1p-10); }
+    double extent() const {
+        return WATCHED_ELSE("offset cover: the extent of a batch", radius, 0.5 * radius) * place.inverse *
+               (1 + WATCHED("offset cover: rounding in the extent of a batch", 0x1p-10));
+    }
 
 private:
     static constexpr std::size_t slots = 64;  // of the hash table; there are at most 24 corners

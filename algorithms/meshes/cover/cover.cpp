@@ -37,6 +37,7 @@
 // could each spend the rest of the budget.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/worker.h"
 #include "algorithms/search/bounds.h"
@@ -181,7 +182,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
     for (const CounterField& field : counter_fields) counters_.*field.member += outcome.counters.*field.member;
     if (outcome.farthest.source >= 0)
         bounds_.offer(outcome.farthest.point, outcome.farthest.source, outcome.farthest.level);
-    bounds_.keep(outcome.settled);
+    if (WATCHED("cover: what the parts settled", true)) bounds_.keep(outcome.settled);
     std::move(outcome.groups.begin(), outcome.groups.end(), std::back_inserter(clusters_));
     std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
 }

@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/pages.h"
 #include "algorithms/kernel/posed_box.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <utility>
@@ -36,7 +37,9 @@ GroupBoxes::GroupBoxes(const Triangles& triangles, const Points& points, const s
     while (boxes_.back().size() > most_first_groups) {
         const std::vector<Box>& below = boxes_.back();
         std::vector<Box> level((below.size() + group_parts - 1) / group_parts);
-        for (std::size_t i = 0; i < below.size(); ++i) level[i / group_parts].add(below[i]);
+        for (std::size_t i = 0; i < below.size(); ++i)
+            if (WATCHED_ELSE("cover: the last part of a group is in its box", true, i % group_parts != 3))
+                level[i / group_parts].add(below[i]);
         boxes_.push_back(std::move(level));
     }
 }
@@ -56,7 +59,8 @@ PosedGroupBoxes::PosedGroupBoxes(const GroupBoxes& boxes, const Triangles& trian
 Box PosedGroupBoxes::box(std::size_t level, std::size_t group) const {
     if (pose_.is_identity()) return boxes_.box(level, group);
     if (level == 0) return box_of_cluster(triangles_, points_, order_, group);
-    return posed_box(boxes_.box(level, group), pose_, within_);
+    return WATCHED_ELSE("cover: boxes of groups are moved with A", posed_box(boxes_.box(level, group), pose_, within_),
+                        boxes_.box(level, group));
 }
 
 }  // namespace hausbench

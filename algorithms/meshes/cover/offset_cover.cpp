@@ -1,5 +1,7 @@
 #include "algorithms/meshes/cover/offset_cover.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -60,7 +62,10 @@ template <class T> void OffsetCover<T>::set_threshold(double tau) {
     // polygon, whose bound is then at_most().
     for (std::size_t k = 0; k < padded; ++k) {
         const double allowed = std::max(tau * (1 - 0x1p-50) - error(near, k), 0.0);
-        limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
+        limit[k] = allowed > 0
+                       ? static_cast<T>(allowed * allowed *
+                                        (1 - WATCHED("offset cover: rounding of a limit", 4 * frame_roundoff<T>)))
+                       : T(-1);
     }
     std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded),
               T(-1));

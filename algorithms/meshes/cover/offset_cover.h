@@ -33,6 +33,7 @@
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
@@ -129,8 +130,9 @@ protected:
 // distances computed so far. Reusing the object avoids allocating its buffers again.
 template <class T> struct OffsetCover {
     NearTriangles<T> near;  // the triangles of B that are tried
-    double extent = 1.75;   // upper bound on the length of any measured point, in local units
-    double threshold = 0;   // tau, in local units
+    // Upper bound on the length of any measured point, in local units.
+    double extent = WATCHED_ELSE("offset cover: the extent of local coordinates", 1.75, 0.875);
+    double threshold = 0;  // tau, in local units
     // The largest upper bound accepted so far for other pieces, in local units. The final upper bound cannot be
     // smaller, so the first triangle of B that proves a bound of at most this is good enough.
     double early_out = 0;
@@ -160,7 +162,12 @@ template <class T> struct OffsetCover {
     // exact distance is at most the computed one plus this error.
     double error(const NearTriangles<T>& frames, std::size_t k) const {
         const double size = static_cast<double>(frames.row(frame_row::count)[k]);
-        return frame_roundoff<T> * (near_error<T> * (extent + size) + most_slack) + frame_underflow<T>;
+        return WATCHED_ELSE(
+            "offset cover: the error of a distance",
+            frame_roundoff<T> * (near_error<T> * (extent + size) +
+                                 WATCHED("offset cover: the slack of corners in the error of a distance", most_slack)) +
+                frame_underflow<T>,
+            0.0);
     }
 
     // Sets the threshold, in local units, and computes the limits of all triangles from it. Call it after changing

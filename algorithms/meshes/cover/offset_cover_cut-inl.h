@@ -1,5 +1,6 @@
 // The part of Engine (offset_cover_engine-inl.h) that cuts a polygon in two when peeling makes no progress (step 4 in
 // offset_cover.h). Compiled once for each instruction set, so include it after hwy/foreach_target.h.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_CUT_INL) == defined(HWY_TARGET_TOGGLE)
@@ -53,7 +54,10 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     std::size_t k = nearest(centre_row);
     const auto distance = [&] { return at_most(c_.squares(centre_row)[k], k); };
     if (exact && host_->promising(distance())) {
-        ask(centre_[0], centre_[1], centre_[2], slack_ + slack_of_mean, k);
+        ask(centre_[0], centre_[1], centre_[2],
+            WATCHED("offset cover: slack of the corners whose mean it is", slack_) +
+                WATCHED("offset cover: slack of the mean of corners", slack_of_mean),
+            k);
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
@@ -61,7 +65,8 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     // it would get too many corners, or if its slack would become too large. By slack_of_cut(), a cut adds at most
     // 1.75 + 2.01 * (the sum of the coordinate differences along an edge, at most 3 * 2), which is less than 14.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
-                      slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
+                      WATCHED("offset cover: most slack, a cut in two", slack_ + 14 > OffsetCover<T>::most_slack) ||
+                      piece_.count + 2 > most_polygon_corners;
     // The polygon gets the bound from its corners. The bound from its centre (distance plus radius) only tells whether
     // triangle k is near the whole polygon. In exact arithmetic the bound from the corners is never the larger one, but
     // rounding may make it so. So both must be within the threshold.
@@ -102,7 +107,11 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
         }
     }
     if (chosen == 3) return false;
-    if (!(static_cast<double>(best) > std::min(0.05 * radius_, 2 * c_.threshold))) return false;
+    if (!(static_cast<double>(best) >
+          std::min(0.05 * radius_,
+                   WATCHED_ELSE("cover: a plane that grazes a polygon by more than the threshold does not cut it",
+                                2 * c_.threshold, 0.05 * radius_))))
+        return false;
     std::copy_n(sides[chosen], piece_.count, side);
     return true;
 }
@@ -166,7 +175,8 @@ template <class T> void Engine<T>::cut() {
         const Corner at{piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
                         piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
                         piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack_of_cut(from, to, t), take_row()};
-        measure_row(c_, all_, at.row, at.x, at.y, at.z);
+        if (WATCHED("offset cover: new corners of a cut are measured", true))
+            measure_row(c_, all_, at.row, at.x, at.y, at.z);
         return at;
     };
     CutPoint start = CutPoint::corner(0), stop = start;
@@ -186,7 +196,7 @@ template <class T> void Engine<T>::cut() {
     for (std::size_t i = first; i != after; i = next(i)) add(high, corner(i));
     add(high, q);
     if (c_.proof) c_.proof->cut(start, stop);
-    c_.stack.push_back(low);
+    if (WATCHED("offset cover: the second part of a cut", true)) c_.stack.push_back(low);
     begin(high, rows);  // `rows` are now the rows of `high`
 }
 

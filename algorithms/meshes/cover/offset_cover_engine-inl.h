@@ -1,6 +1,7 @@
 // Shows that a piece of A is within a threshold of B, polygon by polygon, as explained in offset_cover.h. Peeling is in
 // offset_cover_peel-inl.h, cutting in two in offset_cover_cut-inl.h. Compiled once for each instruction set, so include
 // it after hwy/foreach_target.h.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/offset_cover_measure-inl.h"
 
 #include <algorithm>
@@ -99,7 +100,13 @@ private:
     float slack_of_cut(std::size_t from, std::size_t to, T t) const {
         const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
                          std::abs(piece_.z[to] - piece_.z[from]);
-        return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
+        return WATCHED_ELSE("offset cover: all slack of cut corners",
+                            WATCHED("offset cover: slack of the ends of an edge that is cut",
+                                    std::max(piece_.slack[from], piece_.slack[to])) +
+                                WATCHED("offset cover: slack of cut corners, their own rounding", 1.75F) +
+                                WATCHED("offset cover: slack of cut corners, the way along the edge",
+                                        2.01F * static_cast<float>(t * length)),
+                            0.0F);
     }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
     // Records an upper bound on the distance from any point of a polygon to triangle k of B.
@@ -167,7 +174,9 @@ template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const s
     for (std::size_t i = 0; i < piece_.count; ++i) {
         if (rows) {
             row_[i] = rows[i];
-            if (rows[i] >= most_shared_points) used_ |= 1U << (rows[i] - most_shared_points);
+            if (WATCHED("offset cover: rows that a part of a cut polygon keeps are not used again",
+                        rows[i] >= most_shared_points))
+                used_ |= 1U << (rows[i] - most_shared_points);
         } else {
             row_[i] = take_row();
             measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
@@ -286,7 +295,10 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
 template <class T> bool Engine<T>::every_corner_near() {
     std::size_t asked = 0;
     bool near = true;
-    for (std::size_t i = 0; i < piece_.count; ++i) {
+    for (std::size_t i = 0;
+         i < piece_.count &&
+         WATCHED_ELSE("cover: one corner at the length ends the questions about the others", true, near);
+         ++i) {
         if (!within(i).empty()) continue;
         if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
         ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));

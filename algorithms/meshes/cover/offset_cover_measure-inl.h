@@ -1,6 +1,7 @@
 // Distances from points of A to the triangles of B near them, and which of these are within the threshold
 // (offset_cover.h). Compiled once for each instruction set, so include it after hwy/foreach_target.h.
 #include "algorithms/kernel/triangle_frames-inl.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/offset_cover.h"
 
 #include <algorithm>
@@ -121,14 +122,18 @@ template <class T>
 Covering covering_triangle(OffsetCover<T>& c, const NearTriangles<T>& frames, std::span<const std::size_t> rows,
                            double enough) {
     NearSet common = c.within[rows[0]];
-    for (const std::size_t row : rows.subspan(1)) common = common & c.within[row];
+    for (const std::size_t row :
+         rows.subspan(WATCHED_ELSE("offset cover: all corners are near the triangle that settles", 1, 2)))
+        common = common & c.within[row];
     Covering best;
     enough = std::max(enough, c.early_out);
     for (std::size_t w = 0; w < NearSet::words; ++w) {
         for (std::uint64_t rest = common.word[w]; rest != 0; rest &= rest - 1) {
             const std::size_t k = 64 * w + static_cast<std::size_t>(std::countr_zero(rest));
             T most = 0;
-            for (const std::size_t row : rows) most = std::max(most, c.squares(row)[k]);
+            for (const std::size_t row : WATCHED_ELSE(
+                     "offset cover: the bound of a triangle that settles holds for all corners", rows, rows.first(1)))
+                most = std::max(most, c.squares(row)[k]);
             const double bound = at_most(c, frames, most, k);
             if (bound < best.upper) best = {k, bound};
             if (best.upper <= enough) return best;

@@ -1,5 +1,6 @@
 // Peeling: cuts off a part of a polygon of A that is within the threshold of one triangle of B (step 2 in
 // offset_cover.h). Compiled once for each instruction set, so include it after hwy/foreach_target.h.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_PEEL_INL) == defined(HWY_TARGET_TOGGLE)
@@ -115,7 +116,9 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
         Sampled<T> second;
         measure_samples(c_, all_, k, points, second);
         for (const Tried& first : tried) {
-            const unsigned both = first.sampled.within & second.within,
+            const unsigned both =
+                               WATCHED_ELSE("offset cover: two triangles meet at a sample of either edge",
+                                            first.sampled.within & second.within, first.sampled.within | second.within),
                            sides[2] = {both & ((1U << half) - 1), both >> half};
             if (sides[0] == 0 || sides[1] == 0) continue;
             const auto before = static_cast<std::size_t>(std::countr_zero(sides[0]));
@@ -125,10 +128,13 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
             std::size_t i = run.begin;
             for (std::size_t left = run.length; left > 0; i = next(i), --left)
                 near_first = std::max(near_first, square(i, first.k));
-            for (; i != run.begin; i = next(i)) near_second = std::max(near_second, square(i, k));
+            for (; WATCHED("offset cover: corners that the second of two triangles covers", i != run.begin);
+                 i = next(i))
+                near_second = std::max(near_second, square(i, k));
             out = {first.k, static_cast<T>(before + 1) / static_cast<T>(half),
                    static_cast<T>(after + 1) / static_cast<T>(half), k,
-                   std::max(at_most(near_first, first.k), at_most(near_second, k))};
+                   std::max(at_most(near_first, first.k),
+                            WATCHED("offset cover: the second of two triangles", at_most(near_second, k)))};
             return;
         }
     });
@@ -197,7 +203,7 @@ template <class T>
 bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
-    if (slack > OffsetCover<T>::most_slack) return false;
+    if (WATCHED("offset cover: most slack, one exit", slack > OffsetCover<T>::most_slack)) return false;
     const std::size_t row = take_row();
     // t is reduced by each of these fractions in turn. In double precision the first one is enough, except on an edge
     // so short that rounding matters.
@@ -271,8 +277,9 @@ template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     Exits out = exits(run);
     const std::size_t first = run.begin, end = end_of(run);
     if (out.second != no_triangle) {
-        if (std::max(slack_of_cut(first, last(first), out.before), slack_of_cut(end, next(end), out.after)) >
-            OffsetCover<T>::most_slack)
+        if (WATCHED("offset cover: most slack, two triangles",
+                    std::max(slack_of_cut(first, last(first), out.before), slack_of_cut(end, next(end), out.after)) >
+                        OffsetCover<T>::most_slack))
             return Peel::stuck;
         if (c_.proof) cut_proof(run, out);
         covered_by(out.triangle, out.upper);

@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/batch.h"
 
 #include <algorithm>
@@ -35,7 +36,8 @@ CoverRoom::CoverRoom() {
     spare.pop_back();
     // Resets these members; all others are set before they are read.
     covers_->rough.proof = covers_->exact.proof = nullptr;
-    covers_->rough.distances = covers_->rough.tests = covers_->rough.cuts = 0;
+    covers_->rough.distances = covers_->rough.tests = covers_->rough.cuts =
+        WATCHED_ELSE("cover: counts of an earlier solve in a room that is used again", 0, 7);
     covers_->exact.distances = covers_->exact.tests = covers_->exact.cuts = 0;
 }
 
@@ -76,12 +78,15 @@ void CoverWorker::set_tau() {
     // piece will be at most the cutoff. A point that is clearly farther may still answer the question, but without a
     // gap above the point, pieces of the same distance would be cut until they are as small as the rounding errors.
     const bool asks = query.floor >= query.cutoff;
-    within_floor_ = asks && low <= covered_within(query.floor, 0);
+    within_floor_ = asks && WATCHED_ELSE("cover: a tie with the cutoff ends the search",
+                                         low <= covered_within(query.floor, 0), true);
     const double gap = asks ? scene_.least_gap : std::max(0.9 * query.tolerance.gap(low), scene_.least_gap);
     tau_ = within_floor_ ? query.floor : std::max(low + gap, query.floor);
     // Ends the search once the lower bound is clearly above the cutoff. The status becomes `above_cutoff` at the end,
     // if the certified lower bound is above the cutoff, too; it is slightly smaller, hence the margin.
-    if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
+    if (!stop_ && WATCHED("cover: a distance above the cutoff ends the search",
+                          low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff))
+        stop_ = Status::stalled;
 }
 
 MeasuredPoint CoverWorker::measure(const Vec3& point, Index near, Index source, int level) {
@@ -129,7 +134,7 @@ void CoverWorker::settle(const Cluster& cluster) {
 // The distance to a triangle is convex, so its largest value over the piece is at a corner.
 CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index near) {
     CornerBound bound;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < WATCHED_ELSE("cover: every corner of a piece that one triangle settles", 3U, 1U); ++k) {
         const double squared = scene_.target.squared_distance(piece.corners[k], scene_.target.triangle(near));
         if (squared > bound.squared) {
             bound.squared = squared;
@@ -137,7 +142,10 @@ CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index 
         }
     }
     outcome_.counters.point_triangle_distances += 3;
-    bound.upper = {surface_distance_at_most(bound.squared, scene_.magnitude, piece.level), near, -1};
+    bound.upper = {
+        surface_distance_at_most(bound.squared, scene_.magnitude,
+                                 WATCHED("cover: halvings in a bound by the corners of a piece", piece.level)),
+        near, -1};
     return bound;
 }
 
@@ -146,11 +154,12 @@ CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index 
 std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
     const std::size_t a = piece.longest_edge(), b = (a + 1) % 3, c = (a + 2) % 3;
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
-    const int level = piece.level + 1;
+    const int level = piece.level + WATCHED("cover: a half is one level deeper", 1);
     ++outcome_.counters.subdivisions;
     if (outcome_.counters.subdivisions >= budget_ && !stop_) stop_ = Status::budget;
     if (scene_.elements) scene_.elements->subdivided(piece.source, level);
-    const MeasuredPoint m = measure(middle, piece.landmark.near, piece.source, level);
+    const MeasuredPoint m =
+        measure(middle, piece.landmark.near, piece.source, WATCHED("cover: the level of a midpoint", level));
     std::array<Index, 2> proofs{};
     if (scene_.proofs) proofs = scene_.proofs->halve(piece.proof, CutPoint::along(a, 0.5), CutPoint::corner(c));
     const Landmark landmark{middle, std::sqrt(m.squared), m.triangle, -1};
@@ -169,7 +178,8 @@ bool CoverWorker::is_open(CoverPiece& half) {
     // Measures the corner farthest from triangle `near`. Unless another triangle of B is much nearer to this corner,
     // this raises the lower bound and tau.
     if (half.upper.value > tau_ && !stop_ && bound.squared > tau_ * tau_)
-        measure(half.corners[bound.farthest], near, half.source, half.level);
+        measure(half.corners[bound.farthest], near, half.source,
+                WATCHED("cover: the level of a half's corner", half.level));
     if (half.upper.value > tau_ && !stop_) return true;
     settle(half);
     return false;
@@ -197,13 +207,21 @@ void CoverWorker::count() {
 // the last bits of all answers would change. Below, 8u and 10uM take the place of 5u and 8uM; the difference covers the
 // rounding of both formulas.
 double CoverWorker::covered_within(double tau, int level) const {
-    return std::max(tau * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
+    return std::max(tau * (1 - 8 * unit_roundoff) - (WATCHED("cover: the widening in what a cover may show", 10) +
+                                                     WATCHED("cover: halvings in what a cover may show", 2 * level)) *
+                                                        unit_roundoff * scene_.magnitude,
+                    0.0);
 }
 
 // Returns an upper bound on the distance to B of any point of the box: the distance of the point `at` to B, plus the
 // distance from `at` to the farthest corner of the box.
 double CoverWorker::around(const Vec3& at, double distance, const Box& box) const {
-    return surface_sum_at_most(distance + std::sqrt(squared_distance_at_most(at, box)), scene_.magnitude, 0);
+    return WATCHED_ELSE(
+        "cover: the rounding of the distance around a measured point",
+        surface_sum_at_most(distance + WATCHED("cover: the way from the landmark to the farthest point of a group",
+                                               std::sqrt(squared_distance_at_most(at, box))),
+                            scene_.magnitude, 0),
+        distance + std::sqrt(squared_distance_at_most(at, box)));
 }
 
 // Looks for a landmark that needs no query: a corner of a triangle of A with a *partner*, a triangle of B that was near
@@ -221,7 +239,9 @@ bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& l
             ++outcome_.counters.point_triangle_distances;
             landmark = central_corner(source, box);
             landmark.near = near;
-            landmark.distance = std::sqrt(scene_.target.squared_distance(landmark.at, scene_.target.triangle(near)));
+            landmark.distance =
+                WATCHED("cover: how far a partner is",
+                        std::sqrt(scene_.target.squared_distance(landmark.at, scene_.target.triangle(near))));
             return true;
         }
     }

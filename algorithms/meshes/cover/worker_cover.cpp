@@ -1,6 +1,7 @@
 // The functions of CoverWorker that work on single pieces of A. cover() handles several pieces at a time, in single
 // precision except for a last test; decide() handles one in double precision and always finishes it.
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
 
@@ -97,12 +98,20 @@ void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landm
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
     const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
     double radius = 0;
-    for (const CoverPiece& piece : pieces) radius = std::max(radius, piece.farthest_corner(m.point));
-    const KnownUpper upper{surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.near, own.vertex};
+    for (const CoverPiece& piece : pieces)
+        radius = std::max(radius, WATCHED_ELSE("cover: pieces that reach farther than the middle one", piece, middle)
+                                      .farthest_corner(m.point));
+    const KnownUpper upper{
+        WATCHED_ELSE("cover: the rounding of a distance that neighbours share",
+                     surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.distance + radius),
+        own.near, own.vertex};
     std::vector<CoverPiece> open;
     for (CoverPiece piece : pieces) {
         piece.upper.improve(upper);
-        if (piece.upper.value > tau_ && !stop_) piece.upper.improve(by_corners(piece, own.near).upper);
+        if (piece.upper.value > tau_ && !stop_)
+            piece.upper.improve(WATCHED_ELSE(
+                "cover: the triangle nearest to a corner bounds all corners", by_corners(piece, own.near).upper,
+                (KnownUpper{by_corners(piece, own.near).upper.value * (1 - 0x1p-40), own.near, -1})));
         if (piece.upper.value > tau_ && !stop_)
             open.push_back(piece);
         else
@@ -145,14 +154,19 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         CoverResult result;
         if (any) {
             cover_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
-            if (all_on_b && is_of_b(piece, points)) continue;
+            if (WATCHED("cover: a piece that is a triangle of B", all_on_b && is_of_b(piece, points))) continue;
             CoverPolygon<float> polygon;
             for (const std::size_t k : points) polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
             result = cover_shared(cover_, polygon, points, most_work_in_float);
-            if (!result.covered && covered_in_double(piece, points)) continue;
+            if (WATCHED("cover: pieces that single precision cannot tell are tried with one triangle",
+                        !result.covered && covered_in_double(piece, points)))
+                continue;
         }
         if (result.covered)
-            settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
+            settle(surface_sum_at_most(
+                       result.upper * batch.place.unit, scene_.magnitude,
+                       WATCHED("cover: halvings of a piece that is covered in single precision", piece.level)),
+                   piece.source);
         else
             (radius < all ? again_ : outcome_.undecided).push_back(piece);
     }
@@ -164,7 +178,9 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
 // as large as the threshold. `points`: as in cover_shared().
 bool CoverWorker::is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
     const NearSet &p = cover_.within[points[0]], &q = cover_.within[points[1]], &r = cover_.within[points[2]];
-    return is_one_of(piece, p & q & r) || is_one_of(piece, p | q | r);
+    return is_one_of(piece, p & q & r) ||
+           WATCHED("cover: a triangle of B that single precision finds at one corner only",
+                   is_one_of(piece, p | q | r));
 }
 
 bool CoverWorker::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
@@ -190,7 +206,9 @@ bool CoverWorker::covered_in_double(const CoverPiece& piece, const std::array<st
     if (k == no_triangle) return false;
     CoverPiece covered = piece;
     covered.upper.improve(by_corners(piece, cover_.near.triangle[k]).upper);
-    if (covered.upper.value > tau_) return false;
+    if (WATCHED("cover: a piece that one triangle covers in double precision is within tau",
+                covered.upper.value > tau_))
+        return false;
     settle(covered);
     return true;
 }
@@ -207,8 +225,10 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     //   (slack + 2) * place.unit / (2M) levels, rounded up.
     // - The sum above rounds by at most sqrt(3) * uM < 2uM: one level. No test can show that this level is needed,
     //   because on every known input it fits into the rounding up of the local errors. But the proof needs it.
-    const int own = level_ + 1 + static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude)));
-    return measure(global, near, source_, own).triangle;
+    const int own = WATCHED("cover: halvings of the piece that a point is inside of", level_) + 1 +
+                    WATCHED("cover: the slack of a point inside a piece",
+                            static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude))));
+    return measure(global, near, source_, WATCHED("cover: the level of a point inside a piece", own)).triangle;
 }
 
 // Returns covered_within() in local units, or more if this is too close to the lower bound. The distance of a measured
@@ -220,8 +240,10 @@ double CoverWorker::threshold() const {
     double error = 0;
     for (std::size_t k = 0; k < exact_.near.count(); ++k) error = std::max(error, exact_.error(exact_.near, k));
     const double low =
-        std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) + 32 * unit_roundoff * scene_.magnitude;
-    return std::max(covered, low * exact_.near.units.inverse + 4 * error);
+        std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) +
+        WATCHED("cover: the rounding of the lower bound in the threshold", 32 * unit_roundoff * scene_.magnitude);
+    return std::max(
+        covered, low * exact_.near.units.inverse + WATCHED("cover: the errors of frames in the threshold", 4 * error));
 }
 
 bool CoverWorker::promising(double distance) const {
@@ -243,7 +265,8 @@ void CoverWorker::decide(const CoverPiece& piece) {
     // Start with a corner: measuring it may raise the lower bound and tau, and the triangle of B nearest to it may be
     // near the whole piece.
     CoverPiece measured = piece;
-    const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
+    const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source,
+                                    WATCHED("cover: halvings of a piece whose corner is measured", piece.level));
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
     measured.upper.improve(by_corners(piece, m.triangle).upper);
     if (measured.upper.value <= tau_ || stop_) return settle(measured);
@@ -294,7 +317,9 @@ bool CoverWorker::decide_whole(const CoverPiece& piece) {
         result = cover_surely(exact_, polygon, *this, scene_.target.mesh());
     }
     count();
-    settle(surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level), piece.source);
+    settle(surface_sum_at_most(result.upper * place.unit, scene_.magnitude,
+                               WATCHED("cover: halvings of a piece that is covered in double precision", piece.level)),
+           piece.source);
     return true;
 }
 

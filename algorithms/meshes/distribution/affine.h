@@ -5,6 +5,8 @@
 // 24u, where u = 2^-53.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <array>
 
@@ -33,7 +35,9 @@ struct PositivePart {
     // and the share s, and one with the values c, 0, 0 and the share (1 - s) t.
     explicit PositivePart(CornerValues values) {
         std::sort(values.begin(), values.end());
-        const auto [a, b, c] = values;
+        const auto [a, b, c] =
+            WATCHED_ELSE("distribution: the corners of an affine function are not clamped one by one", values,
+                         (CornerValues{std::max(values[0], 0.0), std::max(values[1], 0.0), std::max(values[2], 0.0)}));
         if (!(c > 0)) return;
         if (a >= 0) {
             triangles[count++] = {1, a, b, c};

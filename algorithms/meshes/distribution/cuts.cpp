@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,8 @@ Parts cut_at_zero(const Piece& piece, const CornerValues& f, double magnitude) {
     const double longest = std::max((pb - at).cwiseAbs().maxCoeff(), (pc - at).cwiseAbs().maxCoeff());
     const Vec3 q = whole_b ? pb : point_of_edge(at, pb, tb), r = whole_c ? pc : point_of_edge(at, pc, tc);
     Piece part = piece;
-    part.level = piece.level + level_of_point_of_edge(longest, magnitude);
+    part.level = piece.level +
+                 WATCHED("distribution: the level of the parts of a cut", level_of_point_of_edge(longest, magnitude));
     part.cuts = piece.cuts + 2;
     Parts parts;
     const auto add = [&](const Vec3& one, const Vec3& two, const Vec3& three, double share) {
@@ -97,7 +99,7 @@ std::array<Piece, 2> halves(const Piece& piece) {
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
     first.corners[a] = second.corners[b] = middle;
     first.share = second.share = 0.5 * piece.share;
-    first.level = second.level = piece.level + 1;
+    first.level = second.level = piece.level + WATCHED("distribution: the level of halves", 1);
     first.cuts = second.cuts = piece.cuts + 1;
     return {first, second};
 }

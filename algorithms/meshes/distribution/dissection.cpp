@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/distribution/cuts.h"
 #include "algorithms/meshes/distribution/weights.h"
 
@@ -46,7 +47,8 @@ SpreadBounds spread_about(const AffineBounds& b, double about) {
     for (std::size_t k = 0; k < 3; ++k) {
         const double low = std::max(b.lower[k], 0.0);
         middle[k] = 0.5 * (low + b.upper[k]) - about;
-        radius[k] = 0.5 * (b.upper[k] - b.lower[k]) + 16 * unit_roundoff * (b.upper[k] + about);
+        radius[k] = 0.5 * (b.upper[k] - b.lower[k]) + WATCHED("distribution: rounding of the middle of a spread",
+                                                              16 * unit_roundoff * (b.upper[k] + about));
         most = std::max(most, std::abs(middle[k]));
     }
     const bool crosses = std::min({b.lower[0], b.lower[1], b.lower[2]}) < 0;
@@ -58,11 +60,13 @@ SpreadBounds spread_about(const AffineBounds& b, double about) {
     } else {
         CornerValues far;
         for (std::size_t k = 0; k < 3; ++k) far[k] = std::max(std::abs(b.upper[k] - about), std::abs(about));
-        spread = {0, mean_of_square(far) * (1 + rounding)};
+        spread = {0, mean_of_square(far) * (1 + WATCHED("distribution: rounding of a spread near contact", rounding))};
     }
     const auto by = [&](double square, double mean, double outward) {
         const double twice = 2 * about * mean, last = about * about;
-        return square - twice + last + outward * rounding * (std::abs(square) + std::abs(twice) + last);
+        return square - twice + last +
+               WATCHED("distribution: rounding of a spread from means",
+                       outward * rounding * (std::abs(square) + std::abs(twice) + last));
     };
     spread.lower = std::max({0.0, spread.lower, by(b.square_lower, b.mean_upper, -1)});
     spread.upper = std::max(0.0, std::min(spread.upper, by(b.square_upper, b.mean_lower, 1)));
@@ -101,7 +105,10 @@ public:
     // it rough ones if it has none (`first`).
     void open(const Leaf& leaf, bool first) {
         if (stopped_) {
-            leaves_.push_back(first ? all_.unknown(leaf.piece) : leaf);
+            leaves_.push_back(
+                WATCHED_ELSE("distribution: the next piece forgets its bounds when it is told to stop", first, true)
+                    ? all_.unknown(leaf.piece)
+                    : leaf);
             return;
         }
         enough_ = leaves_.size() + most_;
@@ -119,7 +126,7 @@ private:
     // Returns whether this piece is cut. `near` triangles were compared for its bounds. Asks now and then whether to stop.
     bool is_cut(const Piece& piece, const AffineBounds& bounds, std::size_t near) {
         ++counters_.bound_tests;
-        work_ += 16 + near + std::exchange(searched_, 0);
+        work_ += 16 + near + WATCHED("distribution: searches do not count as work", std::exchange(searched_, 0));
         if (work_ >= work_between_looks) {
             work_ = 0;
             stopped_ = stopped_ || stop_(all_.count() + leaves_.size());
@@ -146,10 +153,13 @@ private:
         const double gap = (64 + 8 * piece.level) * unit_roundoff * all_.magnitude_;
         bool close = true, zero = true;
         for (std::size_t k = 0; k < 3; ++k) {
-            close = close && bounds.upper[k] - bounds.lower[k] <= gap;
+            close =
+                close && bounds.upper[k] - WATCHED_ELSE("distribution: lower bounds below 0 always count as rounding",
+                                                        bounds.lower[k], std::max(bounds.lower[k], 0.0)) <=
+                             gap;
             zero = zero && bounds.upper[k] <= gap;
         }
-        return close || zero;
+        return close || WATCHED("distribution: lower bounds below 0 never count as rounding", zero);
     }
 
     // The work of all searches so far.
@@ -211,7 +221,7 @@ private:
         lists_at(depth + 1) = bounder_.kept();
         ++counters_.subdivisions;
         Parts parts;
-        if (piece.cuts < most_cuts_at_change)
+        if (WATCHED_ELSE("distribution: slivers are halved", piece.cuts < most_cuts_at_change, true))
             parts = cut_at_change(piece, triangles_, lists_at(depth + 1), bounder_.kept_squares(), all_.magnitude_);
         if (parts.count > 0) {
             for (const Piece& part : parts) cut(part, depth + 1);
@@ -247,7 +257,9 @@ Triangles both_orders(const Triangles& triangles, const Points& points) {
         const bool first = points.row(a) != points.row(triangles(i, 1));
         const Index b = triangles(i, first ? 1 : 2);
         both.row(i) << a, b, b;
-        both.row(n + i) << b, a, a;
+        both.row(n + i) << WATCHED_ELSE(
+            "distribution: a segment counts in both orders, so that all its parts count alike", b, a),
+            a, a;
     }
     return both;
 }

@@ -3,6 +3,7 @@
 #include "algorithms/meshes/distribution/narrow.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <array>
@@ -141,7 +142,8 @@ private:
 
     struct Interrupted {};  // leaves a round at once, because interrupted() does not need its pieces
     void expect_no_interrupt() const {
-        if (query_.interrupt && query_.interrupt->stop_requested()) throw Interrupted();
+        if (WATCHED("distribution: an interrupt", query_.interrupt && query_.interrupt->stop_requested()))
+            throw Interrupted();
     }
 
     // Returns the bounds of the last round, and does not look at the pieces made since, so that it takes no time.
@@ -293,7 +295,7 @@ private:
         if (one.limit == CutWhere::never)
             one.limit = std::min(4 * std::max(most, open / 256), 0.5 * open) / static_cast<double>(pieces());
         else if (without_cuts_ > 0)
-            one.limit *= shrink;
+            one.limit *= WATCHED_ELSE("distribution: limits shrink where nothing was cut", shrink, 1);
         else
             one.limit *= std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5);
     }
@@ -328,7 +330,9 @@ private:
                     if (!(leaf.bounds.lower[k] > most)) continue;
                     most = leaf.bounds.lower[k];
                     found = {};
-                    (way == 0 ? found.source_point : found.target_point) = leaf.piece.corners[k];
+                    (WATCHED_ELSE("distribution: the witness is on the other shape", way == 0, way == 1)
+                         ? found.source_point
+                         : found.target_point) = leaf.piece.corners[k];
                     (way == 0 ? found.source_element : found.target_element) = leaf.piece.source;
                     found.direction =
                         way == 0 ? Witness::Direction::source_to_target : Witness::Direction::target_to_source;
@@ -345,7 +349,8 @@ private:
         for (int k = 0; k < 3; ++k) {
             const auto &a = way.points.col(k), &b = way.other.mesh().vertices.col(k);
             const double least = std::min(a.minCoeff(), b.minCoeff()), most = std::max(a.maxCoeff(), b.maxCoeff());
-            sum = next_up(sum + next_up(most - least));
+            sum = WATCHED("distribution: the first bounds allow for all sides of the boxes",
+                          next_up(sum + next_up(most - least)));
         }
         return sum;
     }
@@ -368,9 +373,11 @@ private:
 
 Bounds combined(Over over, const Bounds& source, const Bounds& target) {
     // Each operation errs by a factor of at most 1 + u, or by less than the least positive double.
-    constexpr double factor = 1 + 8 * unit_roundoff;
-    const auto outward = [](double lower, double upper) {
-        return Bounds{std::max(0.0, next_down(lower / factor)), next_up(upper * factor)};
+    const double factor = 1 + WATCHED("distribution: the rounding of a harmonic mean", 8 * unit_roundoff);
+    const auto outward = [factor](double lower, double upper) {
+        return Bounds{
+            std::max(0.0, next_down(lower / factor)),
+            WATCHED_ELSE("distribution: underflow in the mean of both", next_up(upper * factor), upper * factor)};
     };
     const auto harmonic = [](double x, double y) {
         return x > 0 && y > 0 ? 2 * (std::min(x, y) * (std::max(x, y) / (x + y))) : 0;

@@ -27,6 +27,7 @@
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_block.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/distribution/point_distance.h"
 
 #include <algorithm>
@@ -140,8 +141,12 @@ double reach_of(const Piece& piece, double squared, double magnitude) {
     const Vec3 c = piece.centre();
     double radius = 0;
     for (const Vec3& corner : piece.corners) radius = std::max(radius, squared_length(corner - c));
-    const double slack = (64 + 4 * piece.level) * unit_roundoff * magnitude;
-    return std::sqrt(squared) + 2 * std::sqrt(radius) * (1 + 0x1p-40) + slack;
+    const double slack = WATCHED("distribution: corners that are off, in what is gathered",
+                                 (64 + 4 * piece.level) * unit_roundoff * magnitude);
+    return std::sqrt(squared) +
+           WATCHED_ELSE("distribution: twice the radius of a piece is gathered", 2, 1.5) * std::sqrt(radius) *
+               (1 + 0x1p-40) +
+           slack;
 }
 
 namespace {
@@ -166,7 +171,9 @@ CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, co
             beyond = std::max(beyond, bisector->side(p));
             far = std::max(far, squared_length(p - bisector->point));
         }
-        loss = 2 * (beyond + allowance + bisector->tilt * std::sqrt(far));
+        loss = 2 *
+               (WATCHED("distribution: what an edge loses beyond its plane of half the angle", beyond) + allowance +
+                WATCHED("distribution: the error of the plane between two triangles", bisector->tilt * std::sqrt(far)));
     }
     return {by_face[0] - loss, by_face[1] - loss, by_face[2] - loss};
 }
@@ -195,8 +202,8 @@ std::optional<AffineBounds> bounds_of_points(const Piece& piece, std::span<const
 void bound_means(AffineBounds& bounds) {
     const PositivePart below(bounds.lower), above(bounds.upper);
     constexpr double down = 1 - 32 * unit_roundoff, up = 1 + 32 * unit_roundoff;
-    bounds.mean_lower = below.mean() * down;
-    bounds.mean_upper = above.mean() * up;
+    bounds.mean_lower = below.mean() * WATCHED_ELSE("distribution: rounding of the mean of a constant, below", down, 1);
+    bounds.mean_upper = above.mean() * WATCHED_ELSE("distribution: rounding of the mean of a constant, above", up, 1);
     bounds.square_lower = below.mean_square() * down;
     bounds.square_upper = above.mean_square() * up;
 }
@@ -211,9 +218,14 @@ AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, doubl
     const Vec3 c = piece.centre();
     for (std::size_t k = 0; k < 3; ++k) {
         bounds.upper[k] =
-            surface_distance_at_most(closest_point(piece.corners[k], near).squared_distance, magnitude_, piece.level);
+            surface_distance_at_most(closest_point(piece.corners[k], near).squared_distance, magnitude_,
+                                     WATCHED("distribution: rough bounds, corners that are off, above", piece.level));
         const double away = std::sqrt(squared_length(piece.corners[k] - c)) * (1 + 8 * unit_roundoff);
-        bounds.lower[k] = centre_at_least - away - (8 + 2 * piece.level) * unit_roundoff * magnitude_;
+        bounds.lower[k] = centre_at_least -
+                          WATCHED_ELSE("distribution: rough bounds, the way to a corner", away, 0.5 * away) -
+                          (WATCHED("distribution: rough bounds, rounding", 8) +
+                           WATCHED("distribution: rough bounds, corners that are off, below", 2 * piece.level)) *
+                              unit_roundoff * magnitude_;
     }
     distances += 3;
     bound_means(bounds);
@@ -225,7 +237,9 @@ AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTria
     kept_.assign(1, among[0]);
     squares_.assign(1, {});  // a point is never cut
     if (const std::optional<AffineBounds> of_points = bounds_of_points(piece, near, among)) return *of_points;
-    const double allowance = (20 + 2 * piece.level) * unit_roundoff * magnitude_;
+    const double allowance = (WATCHED("distribution: rounding of a plane below the distance", 20) +
+                              WATCHED("distribution: corners that are off, below", 2 * piece.level)) *
+                             unit_roundoff * magnitude_;
     const Vec3 c = piece.centre();
     PointBlock points{};  // the corners and the centre
     for (int k = 0; k < 3; ++k) {
@@ -246,7 +260,9 @@ AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTria
         again = false;
         const Triangle& s = near[nearest].corners;
         for (std::size_t k = 0; k < 3; ++k)
-            bounds.upper[k] = surface_distance_at_most(feet.squared_distance[k], magnitude_, piece.level);
+            bounds.upper[k] =
+                surface_distance_at_most(feet.squared_distance[k], magnitude_,
+                                         WATCHED("distribution: corners that are off, above", piece.level));
         const Vec3 straight = direction_of(c - foot_of(feet, 3));
         bounds.lower = plane(piece, s, straight, allowance);
         direction_ = straight;
@@ -286,7 +302,8 @@ AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTria
             const double slack = 5 * allowance;
             const CornerValues nearly{bounds.upper[0] - slack, bounds.upper[1] - slack, bounds.upper[2] - slack};
             needed_.push_back(below(low, nearly) ? 1 : 0);
-            lower_to(bounds.lower, low);
+            if (WATCHED("distribution: the plane of every triangle that may be nearest", true))
+                lower_to(bounds.lower, low);
         }
     }
     foot_ = foot_of(feet, 3);
@@ -360,8 +377,9 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     for (std::size_t i = 0; i < kept_.size(); ++i) {
         const Triangle& t = near[kept_[i]].corners;
         if (!has(t, v) || !has(t, end)) {
-            if (needed_[i]) return;
-            slack = 5 * (20 + 2 * piece.level) * unit;
+            if (WATCHED("distribution: triangles nearer to a part of a piece than its nearest edge", needed_[i]))
+                return;
+            slack = WATCHED("distribution: triangles that are nearer by rounding", 5 * (20 + 2 * piece.level) * unit);
             continue;
         }
         for (const Vec3& other : {t.a, t.b, t.c}) {
@@ -377,10 +395,16 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     const double least = bounds.least(), most = std::sqrt(greatest);
     const double mean_of_squares =
         (dot(y[0], y[0]) + dot(y[1], y[1]) + dot(y[2], y[2]) + dot(y[0], y[1]) + dot(y[1], y[2]) + dot(y[2], y[0])) / 6;
-    const double off = (200 + 4 * piece.level) * unit;
+    const double off = (WATCHED("distribution: rounding of a quadratic polynomial", 200) +
+                        WATCHED("distribution: corners that are off, of a quadratic polynomial", 4 * piece.level)) *
+                       unit;
     const double off_squared = 2 * off * (most + off);
-    bounds.square_lower = std::max(bounds.square_lower, mean_of_squares - loss - off_squared - 2 * slack * most);
-    bounds.square_upper = std::min(bounds.square_upper, mean_of_squares + beyond * beyond + off_squared);
+    bounds.square_lower = std::max(
+        bounds.square_lower, mean_of_squares - WATCHED("distribution: squares beside an edge, over the face", loss) -
+                                 off_squared - 2 * slack * most);
+    bounds.square_upper = std::min(
+        bounds.square_upper,
+        mean_of_squares + WATCHED("distribution: squares past the end of an edge", beyond * beyond) + off_squared);
     const double low = least * least, range = (greatest - low) / (greatest + low);
     if (!(least > 0 && range < 0.5 && loss <= low)) return;
     double mean = 0;
@@ -389,9 +413,14 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     const double middle = std::sqrt(0.5 * (greatest + low));
     const double squared_range = range * range;
     const double truncated =
-        2 * middle * (7.0 / 256) * squared_range * squared_range * range / (1 - range) * (1 + 0x1p-40);
-    bounds.mean_lower = std::max(bounds.mean_lower, mean - truncated - off - slack - loss / least);
-    bounds.mean_upper = std::min(bounds.mean_upper, mean + truncated + off + beyond * beyond / least);
+        WATCHED("distribution: the rule of 25 points is not exact",
+                2 * middle * (7.0 / 256) * squared_range * squared_range * range / (1 - range) * (1 + 0x1p-40));
+    bounds.mean_lower =
+        std::max(bounds.mean_lower, mean - truncated - off - slack -
+                                        WATCHED("distribution: distances beside an edge, over the face", loss / least));
+    bounds.mean_upper = std::min(
+        bounds.mean_upper,
+        mean + truncated + off + WATCHED("distribution: distances past the end of an edge", beyond * beyond / least));
 }
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 
 #include <cmath>
@@ -27,13 +28,17 @@ inline Bounds point_distance(const Vec3& a, const Vec3& b) {
     bool exact = true;
     for (int k = 0; k < 3; ++k) {
         const double x = a[k] - b[k], square = x * x;
-        exact = exact && is_exact_difference(a[k], b[k]) && is_exact_difference(sum, -square) &&
-                (x == 0 || (std::abs(x) >= 0x1p-480 && std::fma(x, x, -square) == 0));
+        exact = exact &&
+                WATCHED_ELSE("distribution: a difference that rounds", is_exact_difference(a[k], b[k]), true) &&
+                WATCHED_ELSE("distribution: a sum that rounds", is_exact_difference(sum, -square), true) &&
+                (x == 0 || (WATCHED_ELSE("distribution: a square that underflows", std::abs(x) >= 0x1p-480, true) &&
+                            WATCHED_ELSE("distribution: a square that rounds", std::fma(x, x, -square) == 0, true)));
         sum += square;
     }
     if (!exact) return {distance_at_least(sum, true), distance_at_most(sum, true)};
     const double root = std::sqrt(sum), above = std::fma(root, root, -sum);
-    return {above > 0 ? next_down(root) : root, above < 0 ? next_up(root) : root};
+    return {above > 0 ? WATCHED_ELSE("distribution: a root above the distance", next_down(root), root) : root,
+            above < 0 ? WATCHED_ELSE("distribution: a root below the distance", next_up(root), root) : root};
 }
 
 }  // namespace hausbench

@@ -12,6 +12,7 @@
 #include "algorithms/meshes/distribution/statistics.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/distribution/weights.h"
 
 #include <algorithm>
@@ -36,17 +37,26 @@ template <class Of> double Statistics::sum(const Of& of) const {
 // Returns the bounds of a mean from the sums of weight times lower and upper bound; `most` is the largest value.
 Bounds Statistics::mean_of(double lower, double upper, double most) const {
     const double all = weight_ + extra_;
-    return {lower / all * down, std::min((upper + extra_ * most) / all * up, most)};
+    return {
+        lower / all * down,
+        std::min((upper + WATCHED("distribution: the weight of triangles that are nearly segments", extra_ * most)) /
+                     all * up,
+                 most)};
 }
 
 // Returns a lower bound on F from the weight of leaves that are surely within.
 double Statistics::share_at_least(double within) const {
-    return counted_ ? within / weight_ : within / (weight_ + extra_) * down;
+    return counted_
+               ? WATCHED_ELSE("distribution: shares of points are exact", within / weight_, within / weight_ * down)
+               : within / (weight_ + extra_) * down;
 }
 
 // Returns an upper bound on F from the weight of leaves that are surely beyond.
 double Statistics::share_at_most_beside(double beyond) const {
-    return counted_ ? (weight_ - beyond) / weight_ : next_up(1 - beyond / (weight_ + extra_) * down);
+    return counted_
+               ? (weight_ - beyond) / weight_
+               : WATCHED_ELSE("distribution: the rounding of a share", next_up(1 - beyond / (weight_ + extra_) * down),
+                              1 - beyond / (weight_ + extra_) * down);
 }
 
 Statistics::Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight, bool counted)
@@ -86,7 +96,8 @@ Bounds Statistics::of(const Statistic& statistic) const {
                         sum([&](const Leaf& leaf) { return leaf.weight * spread_about(leaf.bounds, about_).upper; }),
                         far * far * up);
             // The mean of (d - about)^2 is the squared deviation plus (mean - about)^2.
-            const double off = (0.5 * mean_.gap() + 4 * unit_roundoff * about_) * up;
+            const double off = WATCHED("distribution: a deviation about a length beside the mean",
+                                       (0.5 * mean_.gap() + 4 * unit_roundoff * about_) * up);
             return {std::sqrt(std::max(0.0, spread.lower - off * off * up)) * down, std::sqrt(spread.upper) * up};
         }
         case Statistic::Kind::maximum:
@@ -116,7 +127,8 @@ Bounds Statistics::share_within(double length) const {
     if (length >= most_) return {1, 1};
     const double lower = share_at_least(within), upper = share_at_most_beside(beyond);
     if (!counted_) return {lower, std::min(upper, 1.0)};
-    return {lower > 0 ? next_down(lower) : 0, upper > 0 ? std::min(next_up(upper), 1.0) : 0};
+    return {lower > 0 ? WATCHED_ELSE("distribution: a share that rounds", next_down(lower), lower) : 0,
+            upper > 0 ? std::min(next_up(upper), 1.0) : 0};
 }
 
 // Bisection: any t at which F is surely at least `level` is an upper bound, any t at which it is surely less a lower

@@ -3,6 +3,7 @@
 
 #include "algorithms/kernel/quad.h"
 #include "algorithms/kernel/triangle.h"
+#include "algorithms/kernel/watched.h"
 
 #include <cmath>
 
@@ -30,7 +31,8 @@ inline Area area_of(const Triangle& t) {
     const Vec3 n{x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
     const double area = 0.5 * std::sqrt(squared_length(n));
     const double edges = std::sqrt(squared_length(x)) * std::sqrt(squared_length(y));
-    if (area >= edges * 0x1p-7 && area > 0x1p-450) return {area, 0};
+    if (area >= edges * WATCHED_ELSE("distribution: areas of thin triangles", 0x1p-7, 0x1p-40) && area > 0x1p-450)
+        return {area, 0};
     const auto component = [&](int i, int j) {
         const Quad xi = Quad(t.b[i]) - Quad(t.a[i]), xj = Quad(t.b[j]) - Quad(t.a[j]);
         const Quad yi = Quad(t.c[i]) - Quad(t.a[i]), yj = Quad(t.c[j]) - Quad(t.a[j]);

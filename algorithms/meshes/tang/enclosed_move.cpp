@@ -1,5 +1,6 @@
 #include "algorithms/meshes/tang/enclosed_move.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/tang/adjacency.h"
 #include "algorithms/meshes/tang/near_walk.h"
 
@@ -99,7 +100,8 @@ int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     const double permanent = (std::abs(qr) + std::abs(rq)) * std::abs(p[2]) +
                              (std::abs(rp) + std::abs(pr)) * std::abs(q[2]) +
                              (std::abs(pq) + std::abs(qp)) * std::abs(r[2]);
-    const double error = 8 * unit_roundoff * permanent + 0x1p-1000;
+    const double error =
+        WATCHED("lemma 4: the sign of a determinant is proven", 8 * unit_roundoff * permanent + 0x1p-1000);
     return determinant > error ? 1 : -determinant > error ? -1 : 0;
 }
 
@@ -114,7 +116,9 @@ template <class Tree> double EnclosedMove<Tree>::upper(const PieceCorners& corne
 
 template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, int level, const Vec3& move) {
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
-    const double margin = (4 * level + 48) * unit_roundoff * n;
+    const double margin = (WATCHED("lemma 4: pieces are apart by more than their level", 4 * level) +
+                           WATCHED("lemma 4: pieces are apart by more than rounding", 48)) *
+                          unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
     // The point of the piece whose path is tested for crossings with B. Its uneven weights make it unlikely to hit an
     // edge of B exactly, where rounding leaves the result undecided; corners and the barycentre often do.
@@ -126,7 +130,9 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double radius = 0;
     for (const Vec3& corner : corners) radius = std::max(radius, squared_length(corner - middle));
-    double search_radius = distance_at_most(radius, true) + 0.5 * length + 2 * margin;
+    double search_radius =
+        WATCHED("lemma 4: all that the piece may touch is looked at", distance_at_most(radius, true)) + 0.5 * length +
+        WATCHED("lemma 4: all that the piece may touch is looked at", 2 * margin);
     const Vec3 centre = middle + 0.5 * move;
     std::size_t near = 0;
     bool odd = false, clear = true;
@@ -141,16 +147,17 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
             const Index i = tree_.tree().leaf(leaf)[static_cast<std::size_t>(std::countr_zero(mask))];
             const Triangle t = target_.triangle(i);
             const Corners triangle{t.a, t.b, t.c};
-            clear = apart(corners, triangle, margin) && apart(moved, triangle, margin);
+            clear = WATCHED_ELSE("lemma 4: the piece does not touch B", apart(corners, triangle, margin), true) &&
+                    WATCHED_ELSE("lemma 4: the moved piece does not touch B", apart(moved, triangle, margin), true);
             if (!clear) break;
             const std::optional<bool> crossing = crosses(segment, triangle, margin);
-            clear = crossing.has_value();
+            if (WATCHED("lemma 4: an open answer of a crossing counts", true)) clear = crossing.has_value();
             if (crossing.value_or(false)) odd = !odd;
         }
         if (!clear) search_radius = -1;  // ends the walk
     });
     counters_.point_triangle_distances += 3 * near;
-    return clear && odd ? length : infinity;
+    return clear && WATCHED_ELSE("lemma 4: B is crossed an odd number of times", odd, true) ? length : infinity;
 }
 
 template class EnclosedMove<SweptSphereBvh>;

@@ -1,5 +1,6 @@
 #include "algorithms/meshes/tang/listed_subdivision.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/search/split_until_done.h"
 
 #include <algorithm>
@@ -57,7 +58,10 @@ template <class Tree> void ListedSubdivision<Tree>::split(ListedPiece piece) {
         return listed ? MeasuredPoint{point} : bounds_.measure(point, near.triangle, piece.source, level);
     });
     on_b_.measure(piece, cut);
-    for (std::size_t v = 3; v < cut.vertex_count && listed; ++v) bounds_.offer(cut.vertices[v], piece.source, level);
+    for (std::size_t v = 3; v < cut.vertex_count && listed; ++v) {
+        bounds_.offer(cut.vertices[v], piece.source,
+                      WATCHED("tang: the lower bound is widened by the level of a cut", level));
+    }
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
         ListedPiece part = on_b_.part(piece, cut, c, level);
         if (settle(part)) continue;

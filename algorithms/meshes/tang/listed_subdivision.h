@@ -3,6 +3,7 @@
 // new vertices are computed from the list alone. Otherwise each new vertex costs a closest point query.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/target_culling.h"
 #include "algorithms/meshes/tang/voronoi_cut.h"
@@ -37,7 +38,10 @@ public:
     // Records the upper bound of each queued piece as a bound of its triangle of A. Requires that the search keeps
     // bounds for each triangle (bounds_.elements() is not null).
     void settle_elements() const {
-        queue_.for_each([&](const ListedPiece& piece) { bounds_.elements()->settle(piece.upper, piece.source); });
+        queue_.for_each([&](const ListedPiece& piece) {
+            if (WATCHED("tang: the triangles of pieces in the queue have a bound", true))
+                bounds_.elements()->settle(piece.upper, piece.source);
+        });
     }
 
     // Returns the largest depth of a piece: the number of successive cuts that made it.

@@ -1,5 +1,7 @@
 #include "algorithms/meshes/tang/source_culling.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +14,8 @@ template <class Tree> void SourceCulling<Tree>::begin(const Points& points) {
     const ClosestPoint first = target_.closest(points.row(0), -1, counters_);
     double most = 0;
     for (Index v = 0; v < points.rows(); ++v) most = std::max(most, squared_length(Vec3(points.row(v)) - first.point));
-    const double upper = bounds_.at_most(most, 0);
+    const double upper =
+        WATCHED_ELSE("tang: the bound of all of A is widened", bounds_.at_most(most, 0), std::sqrt(most));
     branches_.push_back({upper, upper, first, 0});
 }
 
@@ -20,8 +23,9 @@ template <class Tree> std::span<const Index> SourceCulling<Tree>::step() {
     const Branch branch = branches_.back();
     branches_.pop_back();
     if (branch.upper <= bounds_.purged_at_most(0)) {
-        bounds_.settle(branch.upper, 0, 0, 1);
-        settle_below(branch.child, branch.upper);
+        if (WATCHED("tang: a culled node counts", true)) bounds_.settle(branch.upper, 0, 0, 1);
+        if (WATCHED("tang: the triangles of a culled node have its bound", true))
+            settle_below(branch.child, branch.upper);
     } else if (branch.child >= 0) {
         expand(branch);
     } else {
@@ -36,10 +40,12 @@ template <class Tree> std::span<const Index> SourceCulling<Tree>::step() {
 template <class Tree>
 typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Branch& branch, std::size_t node,
                                                                         int child) {
-    const CornerVolume volume = pose_(corners_of(tree_, node, child));
+    const CornerVolume volume = WATCHED_ELSE("tang: A's volumes are moved with it",
+                                             pose_(corners_of(tree_, node, child)), corners_of(tree_, node, child));
     const auto bound = [&](const Vec3& q) {
         ++counters_.bound_tests;
-        return next_up(distance_at_most(volume, q) + 8 * unit_roundoff * magnitude_);
+        return next_up(distance_at_most(volume, q) +
+                       WATCHED("tang: a node's bound is widened by what q may be off", 8 * unit_roundoff * magnitude_));
     };
     Branch result{std::min(branch.upper, bound(branch.near.point)), 0, branch.near,
                   tree_.tree().nodes[node].child[child]};
@@ -54,7 +60,8 @@ typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Br
         const TrianglePoint near = closest_point(volume.centre(), target_.triangle(*last));
         ++counters_.point_triangle_distances;
         result.near = {near.squared_distance, near.point, *last};
-        result.upper = std::min(result.upper, bound(near.point));
+        result.upper = std::min(result.upper, WATCHED_ELSE("culling on A: the point of a triangle that was near before",
+                                                           bound(near.point), bound(volume.centre())));
     }
     if (may_cull()) {
         result.near = target_.closest(volume.centre(), result.near.triangle, counters_);
@@ -84,7 +91,7 @@ template <class Tree> void SourceCulling<Tree>::expand(const Branch& branch) {
         sorted[place] = child;
     }
     for (std::size_t c = 0; c < static_cast<std::size_t>(count); ++c) {
-        sorted[c].rest = std::max(sorted[c].upper, upper());
+        sorted[c].rest = std::max(sorted[c].upper, WATCHED("tang: what is below on the stack counts", upper()));
         branches_.push_back(sorted[c]);
     }
 }

@@ -9,6 +9,7 @@
 // closest point on the triangle of B that was nearest to the same volume at the previous pose.
 #pragma once
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/tang/volumes.h"
 #include "algorithms/search/bounds.h"
 
@@ -50,7 +51,10 @@ public:
 
     // Records the upper bound of each node still to be visited for every triangle below it.
     void settle_elements() const {
-        for (const Branch& branch : branches_) settle_below(branch.child, branch.upper);
+        for (const Branch& branch : branches_) {
+            if (WATCHED("tang: the triangles of what is left of A's tree have a bound", true))
+                settle_below(branch.child, branch.upper);
+        }
     }
 
 private:

@@ -1,6 +1,7 @@
 #include "algorithms/meshes/tang/swept_sphere.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -45,7 +46,9 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
     for (const Vec3& point : points) {
         const Foot foot = foot_of(volume, point);
-        most = std::max(most, distance_at_most(foot.squared, true) + 20 * unit_roundoff * foot.size);
+        most =
+            std::max(most, distance_at_most(foot.squared, true) +
+                               WATCHED("swept_sphere_around: the rounding of a foot", 20 * unit_roundoff * foot.size));
     }
     return next_up(most);
 }
@@ -130,9 +133,12 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
 double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     const Foot foot = foot_of(volume, q);
     const double squared =
-        foot.squared - 4 * std::abs(dot(volume.u, volume.v)) - 100 * unit_roundoff * (foot.size * foot.size);
+        foot.squared -
+        WATCHED("swept sphere, lower bound: u and v that are not orthogonal", 4 * std::abs(dot(volume.u, volume.v))) -
+        WATCHED("swept sphere, lower bound: the rounding of the foot", 100 * unit_roundoff * (foot.size * foot.size));
     if (!(squared > 0)) return 0;
-    return std::max(0.0, next_down(distance_at_least(squared, true) - volume.radius));
+    return std::max(0.0, next_down(distance_at_least(squared, WATCHED("swept sphere, lower bound: underflow", true)) -
+                                   WATCHED("swept sphere, lower bound: the radius", volume.radius)));
 }
 
 // The distance from q to a point of the rectangle is largest at a corner. Call this distance D, its computed value f,
@@ -154,7 +160,10 @@ double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     for (const double s : {-1.0, 1.0}) {
         for (const double t : {-1.0, 1.0}) most = std::max(most, squared_length((r - s * volume.u) - t * volume.v));
     }
-    return next_up(distance_at_most(most, true) + volume.radius);
+    return WATCHED_ELSE(
+        "swept sphere, upper bound: rounding up",
+        next_up(distance_at_most(most, true) + WATCHED("swept sphere, upper bound: the radius", volume.radius)),
+        std::sqrt(most) + volume.radius);
 }
 
 SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)

@@ -34,6 +34,7 @@
 //
 // Budget: subdivisions. Time: O(n log n + m log m) to prepare, with n triangles of A and m of B. Memory: O(n + m), and
 // for each piece in the queue 184 bytes plus 4 bytes for each triangle in its list.
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/listed_subdivision.h"
 #include "algorithms/meshes/tang/source_culling.h"
@@ -198,7 +199,8 @@ template <class Tree> void TangSearch<Tree>::begin_warm() {
     if (last.source < 0) return;
     const Triangle triangle = posed_triangle(last.source);
     if (last.corner < 0) {
-        bounds_.measure(last.point_in(triangle), last.target, last.source, level_of_closest_point);
+        bounds_.measure(last.point_in(triangle), last.target, last.source,
+                        WATCHED("tang: a warm point is widened", level_of_closest_point));
     } else {
         const Index v = a_.triangles(last.source, last.corner);
         vertices_[static_cast<std::size_t>(v)] = bounds_.measure(points_.row(v), last.target, last.source, 0);
@@ -209,7 +211,9 @@ template <class Tree> Result TangSearch<Tree>::search() {
     if (warm_start_) begin_warm();
     const std::optional<Status> stopped = cull_on_a();
     stages_.end("cull on A");
-    if (stopped) return bounds_.result(*stopped, std::max(on_a_.upper(), pieces_.upper()));
+    if (stopped)
+        return bounds_.result(
+            *stopped, std::max(WATCHED("tang: what is left of A's tree counts", on_a_.upper()), pieces_.upper()));
     const Status status = pieces_.run();
     stages_.end("subdivide");
     return bounds_.result(status, pieces_.upper());
@@ -227,7 +231,8 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         MeshSolver<Tree>::prepare(scene, prepared);
         a_tree_ = &prepared.get<Tree>(Side::source);
-        closed_ = choices_.lemma4 && is_closed(prepared.triangles(Side::target));
+        closed_ = choices_.lemma4 &&
+                  WATCHED_ELSE("lemma 4: B must be closed", is_closed(prepared.triangles(Side::target)), true);
     }
 
     std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }

@@ -1,5 +1,6 @@
 #include "algorithms/meshes/tang/target_culling.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/tang/near_walk.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ template <class Tree> void TargetCulling<Tree>::bound_by(ListedPiece& piece, Ind
         counters_.point_triangle_distances += known ? 0 : 1;
     }
     ++counters_.bound_tests;
-    const double upper = bounds_.at_most(most, piece.level);
+    const double upper = WATCHED_ELSE("tang: the bound by one triangle of B is widened",
+                                      bounds_.at_most(most, piece.level), std::sqrt(most));
     if (upper < piece.upper) {
         piece.upper = upper;
         piece.best = triangle;
@@ -69,7 +71,9 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
     const double radius = radius_at_most(piece);
     const auto known =
         std::array{piece.corners[0].triangle >= 0, piece.corners[1].triangle >= 0, piece.corners[2].triangle >= 0};
-    double search_radius = next_up(piece.upper + radius), least = std::numeric_limits<double>::infinity();
+    double search_radius = WATCHED_ELSE("tang: a walk goes as far as the piece is large", next_up(piece.upper + radius),
+                                        piece.upper),
+           least = std::numeric_limits<double>::infinity();
     near_.clear();
     std::uint64_t tested = 0;
     near_triangles(piece, search_radius, [&](Index triangle, const std::array<double, 3>& squared) {
@@ -88,12 +92,14 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
         if (near_.size() <= most_near) near_.push_back({triangle, squared});
         if (!(most < least)) return;
         least = most;
-        const double upper = bounds_.at_most(least, piece.level);
+        const double upper = WATCHED_ELSE("tang: culling on B widens the upper bound",
+                                          bounds_.at_most(least, piece.level), std::sqrt(least));
         if (upper < piece.upper) {
             piece.upper = upper;
             piece.best = triangle;
         }
-        search_radius = next_up(piece.upper + radius);
+        search_radius = WATCHED_ELSE("tang: a walk goes on as far as the piece is large", next_up(piece.upper + radius),
+                                     piece.upper);
     });
     piece.crowd = tested;
     counters_.point_triangle_distances += 3 * tested;
@@ -110,7 +116,9 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     for (std::size_t k = 0; k < 3; ++k) squared_edge[k] = squared_length(v[(k + 1) % 3].point - v[(k + 2) % 3].point);
     for (std::size_t k = 0; k < 3; ++k) {
         const double edge = std::sqrt(std::max(squared_edge[(k + 1) % 3], squared_edge[(k + 2) % 3]));
-        const double search_radius = (piece.upper + edge) * (1 + 8 * unit_roundoff) + slack(piece.level);
+        const double search_radius = WATCHED_ELSE("tang: a list keeps what is near to all corners",
+                                                  (piece.upper + edge) * (1 + 8 * unit_roundoff), piece.upper) +
+                                     slack(piece.level);
         most[k] = search_radius * search_radius;
     }
     std::array<Index, most_listed> kept;
@@ -179,7 +187,8 @@ ListedPiece TargetCulling<Tree>::part(const ListedPiece& piece, const Cut<Measur
             part.best = candidates_.triangle[s];
         }
     }
-    part.upper = std::min(part.upper, bounds_.at_most(least, level));
+    part.upper =
+        std::min(part.upper, bounds_.at_most(least, WATCHED("tang: a part's bound is widened by its level", level)));
     return part;
 }
 

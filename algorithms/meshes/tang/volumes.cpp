@@ -1,6 +1,7 @@
 #include "algorithms/meshes/tang/volumes.h"
 
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,10 @@ namespace hausbench {
 double distance_at_most(const CornerVolume& volume, const Vec3& q) {
     double most = 0;
     for (std::size_t i = 0; i < volume.count; ++i) most = std::max(most, squared_length(volume.corner[i] - q));
-    return next_up(distance_at_most(most, true) + volume.radius);
+    return WATCHED_ELSE(
+        "volumes: a distance to a corner is widened",
+        next_up(distance_at_most(most, true) + WATCHED("volumes: the radius of a volume counts", volume.radius)),
+        std::sqrt(most) + volume.radius);
 }
 
 // Returns the corners of the rectangle, and a radius that includes their rounding errors. With the centre c, the sides
@@ -26,7 +30,8 @@ CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child)
         for (const double t : {-1.0, 1.0}) volume.corner[volume.count++] = (swept.centre + s * swept.u) + t * swept.v;
     }
     const double m = (swept.centre.cwiseAbs() + swept.u.cwiseAbs() + swept.v.cwiseAbs()).maxCoeff();
-    volume.radius = next_up(swept.radius + 5 * unit_roundoff * m);
+    volume.radius = WATCHED_ELSE("volumes: the corners of a swept sphere are rounded",
+                                 next_up(swept.radius + 5 * unit_roundoff * m), swept.radius);
     return volume;
 }
 
@@ -63,7 +68,9 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
     }
     box.low[2] = boxes.plane(2, boxes.low_z[lane]);
     box.high[2] = boxes.plane(2, boxes.high_z[lane]);
-    return distance_at_least(squared_distance_to_box(q, box), true);
+    return WATCHED_ELSE("volumes: a box is no nearer than its content, but for rounding",
+                        distance_at_least(squared_distance_to_box(q, box), true),
+                        std::sqrt(squared_distance_to_box(q, box)));
 }
 
 // Computes stretch_, an upper bound on |R x| / |x|. |R x|^2 = x.(R^T R x) is at most |x|^2 times the largest row sum of
@@ -81,11 +88,13 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
 VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identity()) {
     if (identity_) return;
     const double largest = pose.rotation.cwiseAbs().maxCoeff();
-    const int exponent = largest > 0 ? std::ilogb(largest) : 0;
+    const int exponent =
+        largest > 0 ? WATCHED("volumes: the stretch of a pose whose squares underflow", std::ilogb(largest)) : 0;
     const Eigen::Matrix3d scaled = pose.rotation.unaryExpr([&](double x) { return std::ldexp(x, -exponent); });
     const Eigen::Matrix3d square = scaled.transpose() * scaled;
     const double most = square.cwiseAbs().rowwise().sum().maxCoeff();
-    stretch_ = std::ldexp(next_up(std::sqrt(most) * (1 + 8 * unit_roundoff)), exponent);
+    stretch_ = std::ldexp(
+        next_up(std::sqrt(most) * (1 + WATCHED("volumes: the stretch is rounded", 8 * unit_roundoff))), exponent);
     rows_ = pose.rotation.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
@@ -110,10 +119,14 @@ CornerVolume VolumePose::operator()(const CornerVolume& volume) const {
         result.corner[i] = {row(0), row(1), row(2)};
         m = std::max(m, c.cwiseAbs().maxCoeff());
     }
-    const double most = rows_ * (m + volume.radius) + pose_.translation.cwiseAbs().maxCoeff();
-    result.radius = next_up(next_up(stretch_ * volume.radius) + 15 * unit_roundoff * most);
+    const double most = rows_ * (m + volume.radius) +
+                        WATCHED("volumes: a translation is rounded too", pose_.translation.cwiseAbs().maxCoeff());
+    result.radius =
+        next_up(WATCHED_ELSE("volumes: a pose stretches the radius", next_up(stretch_ * volume.radius), volume.radius) +
+                WATCHED("volumes: a pose is rounded", 15 * unit_roundoff * most));
     if (!(result.radius < std::numeric_limits<double>::infinity()))
-        result.radius = std::numeric_limits<double>::infinity();
+        result.radius =
+            WATCHED("volumes: nothing is known where a pose overflows", std::numeric_limits<double>::infinity());
     return result;
 }
 

@@ -1,5 +1,7 @@
 #include "algorithms/points/scan/cells.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -63,7 +65,7 @@ private:
         const double squared_early_out = findings_.farthest.squared;
         for (Index j = first; j >= 0; j = cells_.next(j)) {
             if (looked_ >= most) {
-                crowded_ = true;
+                crowded_ = WATCHED("scan: cells that are not looked at whole", true);
                 return false;
             }
             ++looked_;
@@ -121,7 +123,9 @@ private:
     // In both cases (1 - u) y^2 < t, so x < sqrt(t) / (1 - u)^1.5 < sqrt(t) (1 - u) (1 + 4u). The function
     // distance_at_most() multiplies fl(sqrt(t)) >= sqrt(t) (1 - u) by 1 + 4u and rounds up, so its value exceeds x.
     bool near_enough_within(double squared) {
-        const PointCells::Range range = cells_.range_of(point_, distance_at_most(squared, false));
+        const PointCells::Range range =
+            cells_.range_of(point_, WATCHED_ELSE("scan: the rounding of the radius that cells are searched in",
+                                                 distance_at_most(squared, false), std::sqrt(squared)));
         Cell to;  // the last cells to search; cells beyond them have the same lists as earlier cells of the range
         for (std::size_t k = 0; k < 3; ++k) {
             crowded_ = crowded_ || range.to[k] - range.from[k] >= widest;

@@ -1,6 +1,7 @@
 #include "algorithms/points/scan/near_grid.h"
 
 #include "algorithms/kernel/splitmix.h"
+#include "algorithms/kernel/watched.h"
 
 #include <algorithm>
 #include <array>
@@ -28,11 +29,13 @@ std::vector<std::array<double, 3>> sample_of(const Points& points) {
     for (Eigen::Index i = 0; i < count; ++i) {
         const Eigen::Index begin = points.rows() * i / count, end = points.rows() * (i + 1) / count;
         const std::uint64_t place = (static_cast<std::uint64_t>(i) * golden_step) >> 32;
-        const auto row = begin + static_cast<Eigen::Index>(place % static_cast<std::uint64_t>(end - begin));
+        const auto row = begin + WATCHED("grid: a sample in no regular order",
+                                         static_cast<Eigen::Index>(place % static_cast<std::uint64_t>(end - begin)));
         sample.push_back({points(row, 0), points(row, 1), points(row, 2)});
     }
     std::sort(sample.begin(), sample.end());
-    sample.erase(std::unique(sample.begin(), sample.end()), sample.end());
+    if (WATCHED("grid: copies of a point tell nothing of the extent", true))
+        sample.erase(std::unique(sample.begin(), sample.end()), sample.end());
     return sample;
 }
 

@@ -6,6 +6,7 @@
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/scan/near_cells.h"
 
 #include <cstdint>
@@ -51,7 +52,13 @@ public:
     // `squared`. distance_at_most() (kernel/rounding.h) bounds the exact distance of such a point, and so its distance
     // along each axis.
     std::size_t mark_within(const double* point, double squared, std::vector<std::uint8_t>& flags) const {
-        return mark(point, distance_at_most(squared, true), flags);
+        return mark(
+            point,
+            WATCHED_ELSE(
+                "scan: the rounding of the radius that cells are marked by",
+                distance_at_most(squared, WATCHED("scan: the underflow of the radius that cells are marked by", true)),
+                std::sqrt(squared)),
+            flags);
     }
 
     std::size_t cells() const { return candidates_.size(); }

@@ -2,6 +2,7 @@
 #define HWY_TARGET_INCLUDE "algorithms/points/scan/passes.cpp"
 #include <hwy/foreach_target.h>
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/scan/passes.h"
 
 #include <hwy/highway.h>
@@ -68,7 +69,8 @@ Extent extent_of_part(const double* data, std::size_t count) {
             hn::Store(high[v], d, buffer);
             for (std::size_t j = 0; j < lanes; ++j) look(buffer[j], v * lanes + j);
         }
-        extent.tiny = hn::GetLane(hn::MaxOfLanes(d, tiny)) > 0;
+        if (WATCHED("scan: tiny coordinates in the pass that looks for them", true))
+            extent.tiny = hn::GetLane(hn::MaxOfLanes(d, tiny)) > 0;
     }
     for (; i < count; ++i) look(data[i], i);
     return extent;

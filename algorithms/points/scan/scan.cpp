@@ -35,6 +35,7 @@
 // Time: O(|A| + |B|) if an outlier decides, otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). The unit of
 // Query::budget is one search for a closest point; the budget is checked only between batches of searches.
 #include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/scan/near.h"
 #include "algorithms/points/scan/near_grid.h"
@@ -92,7 +93,8 @@ public:
                 const std::vector<Undecided> undecided = keep_undecided(work, farthest, state);
                 record(trace, state.farthest.squared, most_of(undecided));
                 stopped = search_undecided(work, undecided, state);
-                if (stopped != Status::converged) left = most_of(undecided);
+                if (stopped != Status::converged)
+                    left = WATCHED("scan: the points that it leaves undecided", most_of(undecided));
             }
         }
         return exact_result(query, a, b, state.farthest, state.counters, source.tiny || target_.tiny, left, stopped);
@@ -105,7 +107,9 @@ private:
     // Returns at most `most` threads; a single one if there are few points.
     Threads threads_of(int most) const {
         const auto points = points_of(scene_->source).rows() + points_of(scene_->target).rows();
-        return Threads(static_cast<double>(points) < threads_from_ ? 1 : most);
+        return Threads(WATCHED("scan: few points start threads", static_cast<double>(points) < threads_from_)
+                           ? 1
+                           : WATCHED_ELSE("scan: one thread, whatever the number of points", most, 1));
     }
 
     // Returns the largest squared distance, or -1 if there is none.

@@ -18,6 +18,7 @@
 // apart. Memory: O(|A| + |B|). The unit of Query::budget is one cell taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
 #include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/zhang2017/octree_cursor.h"
 
@@ -96,7 +97,10 @@ private:
         for (Index j = 0; j < b_.rows(); ++j) {
             ++counters_.point_distances;
             const double squared = squared_distance(point, b_.row(j).data());
-            if (early_break_ && squared < squared_lower_) return;  // point i is discarded
+            if (early_break_ && squared < squared_lower_) {
+                if (WATCHED("NOHD: cmin <- 0 of Algorithm 5", true)) return;  // point i is discarded
+                break;
+            }
             if (squared < nearest) {
                 nearest = squared;
                 at = j;

@@ -17,6 +17,7 @@
 #include "algorithms/points/zhang2017/ohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/zhang2017/octree_cursor.h"
 
@@ -71,7 +72,10 @@ private:
         if ((point.array() < at.cell.low.array()).any() || (point.array() > at.cell.high.array()).any()) return false;
         while (true) {
             ++counters_.node_visits;
-            if (squared_distance_at_most(at.cell, at.cell) <= farthest_.squared) return true;
+            if (squared_distance_at_most(at.cell, at.cell) <=
+                WATCHED_ELSE("OHD: the diagonal, not the side, of the cell that culls", farthest_.squared,
+                             3 * farthest_.squared))
+                return true;
             if (at.depth >= PointOctree::max_depth) return false;
             const int octant = octant_of(at.cell, point);
             std::optional<Cursor> next;

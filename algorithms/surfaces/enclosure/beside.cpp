@@ -1,5 +1,7 @@
 #include "algorithms/surfaces/enclosure/beside.h"
 
+#include "algorithms/kernel/watched.h"
+
 #include <cmath>
 
 namespace hausbench {
@@ -45,7 +47,9 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
 
 double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters) {
     for (int k = 0; k < 3; ++k) {
-        if (!(piece.box.low[k] >= target.box().low[k] && piece.box.high[k] <= target.box().high[k])) return infinity;
+        if (WATCHED("beside: the piece lies in B's box",
+                    !(piece.box.low[k] >= target.box().low[k] && piece.box.high[k] <= target.box().high[k])))
+            return infinity;
     }
     Vec3 gradient;
     target.polynomial().value(piece.form.middle, gradient);
@@ -75,7 +79,8 @@ double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p
     const double size = n.norm();
     if (!(size > 0)) return infinity;
     const auto here = moved(piece, target, Vec3::Zero(), counters);
-    if (!here || (here->inf() <= 0 && here->sup() >= 0)) return infinity;
+    if (!here || WATCHED("beside: f_B has one sign on the piece", here->inf() <= 0 && here->sup() >= 0))
+        return infinity;
     const double sign = here->inf() > 0 ? 1 : -1;
     Vec3 gradient;
     target.polynomial().value(foot, gradient);
@@ -90,7 +95,7 @@ double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p
         if (!there) return infinity;
         const double left = sign > 0 ? there->sup() : -there->inf();
         if (left <= 0) return most;
-        further += 1.05 * left / fall;
+        further += WATCHED("beside: farther than the foot", 1.05 * left / fall);
     }
     return infinity;
 }

@@ -1,6 +1,7 @@
 #include "algorithms/surfaces/enclosure/feet.h"
 
 #include "algorithms/kernel/taylor_model.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/surfaces/enclosure/beside.h"
 
 #include <cmath>
@@ -52,13 +53,14 @@ public:
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
         Box wide = piece_.box;
-        wide.low[axis_] = std::min(wide.low[axis_], values.inf());
+        if (WATCHED("feet: the box of the slope holds the graph", true))
+            wide.low[axis_] = std::min(wide.low[axis_], values.inf());
         wide.high[axis_] = std::max(wide.high[axis_], values.sup());
         const Interval slope = source_.derivative(axis_, wide, counters);
         const double least = std::max(slope.inf(), -slope.sup());
         if (!(least > 0)) return false;
         const Interval f = ModelPowers(y_, source_.polynomial()).value(source_.polynomial()).range();
-        height.error = magnitude(f) / least;
+        height.error = WATCHED("feet: how far A is from its polynomial", magnitude(f) / least);
         return true;
     }
 
@@ -165,7 +167,8 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const Models& y = graph.points();
     const Polynomial& f = target.polynomial();
     const Interval here = ModelPowers(y, f).value(f).range();
-    if (!(here.inf() > 0 || here.sup() < 0)) return within(piece, target, magnitude(here), counters);
+    if (WATCHED("feet: both signs of f_B on the piece", !(here.inf() > 0 || here.sup() < 0)))
+        return within(piece, target, magnitude(here), counters);
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
@@ -178,10 +181,10 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
         const Interval there = ModelPowers({y[0] + t[0], y[1] + t[1], y[2] + t[2]}, f).value(f).range();
         const double left = sign > 0 ? there.sup() : -there.inf();
         if (left <= 0) {
-            if (!stays_inside(piece, t, target.box())) return infinity;
+            if (WATCHED("feet: the box of B", !stays_inside(piece, t, target.box()))) return infinity;
             return CGAL::sqrt(Interval(std::max(squared_length(t), 0.0))).sup();
         }
-        further += 1.1 * left / fall;
+        further += WATCHED("feet: farther than the foot", 1.1 * left / fall);
         if (!(further < 0.25)) return infinity;
     }
     return infinity;

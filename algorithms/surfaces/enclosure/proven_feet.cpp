@@ -1,5 +1,6 @@
 #include "algorithms/surfaces/enclosure/proven_feet.h"
 
+#include "algorithms/kernel/watched.h"
 #include "algorithms/surfaces/enclosure/beside.h"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ struct OpenBox {
 double ProvenFeet::at_most(const SurfaceTree::Node& piece, std::int32_t foot) {
     ++counters_.box_distances;
     const SurfacePoint& b = (*this)[foot];
-    return distance_at_most(piece, b.at) + b.error;
+    return distance_at_most(piece, b.at) + WATCHED("surface_enclosure: how far a foot may be off", b.error);
 }
 
 NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search) {

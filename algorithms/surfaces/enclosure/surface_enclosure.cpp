@@ -22,6 +22,7 @@
 #include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/interval.h"
+#include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"
 #include "algorithms/surfaces/enclosure/beside.h"
 #include "algorithms/surfaces/enclosure/feet.h"
@@ -181,7 +182,8 @@ private:
                 ++result_.counters.queue_pushes;
             } else {
                 dropped_ = true;
-                if (!proven_) prove_point_near(child);
+                if (WATCHED("surface_enclosure: a point of A is proven before all boxes are dropped", !proven_))
+                    prove_point_near(child);
             }
         }
     }
@@ -257,7 +259,8 @@ private:
     // lower bound to the proven distance from this point to B, if that is larger. Returns whether the point became the
     // witness.
     bool show(const SurfacePoint& point, const NearestFoot& near) {
-        const double shown = -(point.error - near.at_least);  // rounded down
+        const double shown = -(WATCHED("surface_enclosure: how far a proven point of A may be off", point.error) -
+                               near.at_least);  // rounded down
         const bool better = !proven_ || shown > result_.bounds.lower;
         proven_ = true;
         if (!better) return false;
@@ -326,7 +329,8 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        const UpwardRounding upward;
+        std::optional<UpwardRounding> upward;
+        if (WATCHED("surface_enclosure: solve() sets the rounding mode itself", true)) upward.emplace();
         return EnclosureSearch(*source_, *target_, most_cells_, query, trace).run();
     }
 

@@ -16,17 +16,18 @@ struct Counting {
     }
 };
 
-constexpr std::size_t poses = 20'000;
-constexpr std::size_t depth = 2 * std::bit_width(poses) + 4;  // depth of a red-black tree, plus a comparison or two
+constexpr std::size_t pose_count = 20'000;
+constexpr std::size_t depth =
+    2 * std::bit_width(pose_count) + 4;  // depth of a red-black tree, plus a comparison or two
 
 TEST(Lookup, RowsReadOffARowCostNothingOfTheOthers) {
     std::size_t count = 0;
     RowsReadOff<Counting> readers{Counting{&count}};
-    for (std::size_t p = 0; p < poses; ++p) {
+    for (std::size_t p = 0; p < pose_count; ++p) {
         readers.add(3 * p, 3 * p + 1);
         readers.add(3 * p, 3 * p + 2);
     }
-    for (std::size_t p = 0; p < poses; p += 999) {
+    for (std::size_t p = 0; p < pose_count; p += 999) {
         count = 0;
         EXPECT_EQ(readers.of(3 * p), (std::vector<std::size_t>{3 * p + 1, 3 * p + 2}));
         EXPECT_TRUE(readers.of(3 * p + 1).empty());
@@ -39,8 +40,8 @@ TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
     std::size_t count = 0;
     NearestByWork<std::size_t, Counting> known{Counting{&count}};
     EXPECT_TRUE(known.empty());
-    for (std::size_t p = 0; p < poses; ++p) known.add(100, p);  // the poses of one scene
-    for (std::size_t i = 1; i <= 10; ++i) known.add(1000.0 * double(i), poses + i);
+    for (std::size_t p = 0; p < pose_count; ++p) known.add(100, p);  // the poses of one scene
+    for (std::size_t i = 1; i <= 10; ++i) known.add(1000.0 * double(i), pose_count + i);
     const auto nearest = [&](double work) {
         count = 0;
         const std::size_t found = known.nearest(work);
@@ -50,11 +51,11 @@ TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
     EXPECT_EQ(nearest(100), 0u);  // of equal works, the one added first
     EXPECT_EQ(nearest(1), 0u);
     EXPECT_EQ(nearest(315), 0u);  // the boundary is sqrt(100 * 1000) = 316.2
-    EXPECT_EQ(nearest(318), poses + 1);
-    EXPECT_EQ(nearest(1400), poses + 1);  // the boundary is sqrt(1000 * 2000) = 1414.2
-    EXPECT_EQ(nearest(1430), poses + 2);
-    EXPECT_EQ(nearest(1e9), poses + 10);
-    EXPECT_EQ(nearest(5000), poses + 5);
+    EXPECT_EQ(nearest(318), pose_count + 1);
+    EXPECT_EQ(nearest(1400), pose_count + 1);  // the boundary is sqrt(1000 * 2000) = 1414.2
+    EXPECT_EQ(nearest(1430), pose_count + 2);
+    EXPECT_EQ(nearest(1e9), pose_count + 10);
+    EXPECT_EQ(nearest(5000), pose_count + 5);
 }
 
 TEST(Plan, MarksAreTheGapsReadOffARowTheLargestFirst) {
