@@ -1,7 +1,5 @@
 #include "algorithms/printable.h"
 
-#include "algorithms/kernel/watched.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -32,10 +30,7 @@ Character first_character(std::string_view text) {
     return number < least[length] || surrogate || number > 0x10ffff ? Character{} : Character{number, length};
 }
 
-bool is_control(char32_t c) {
-    return c < 0x20 || WATCHED("certificates: control characters above ASCII", c >= 0x7f && c < 0xa0) || c == 0x2028 ||
-           c == 0x2029;
-}
+bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x2028 || c == 0x2029; }
 
 // Returns whether the character is invisible: it has no width or only sets the direction of writing. Names that differ
 // only in such characters look the same.
@@ -73,10 +68,7 @@ std::string cleaned(std::string_view text, bool lines, bool colours) {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-    return WATCHED_ELSE("fuzz target of certificates: control characters of a file are printed",
-                        cleaned(text, false, false), std::string(text));
-}
+std::string printable(std::string_view text) { return cleaned(text, false, false); }
 
 std::string printable_lines(std::string_view text, bool colours) { return cleaned(text, true, colours); }
 

@@ -107,7 +107,7 @@ using Reported = std::map<std::string, std::variant<double, std::string>>;
 
 // One value for each vertex or each element (point or triangle) of A, such as the upper bound of each triangle.
 struct Field {
-    // `pieces` are parts into which triangles are cut to draw pictures. Only as_fields() (harness/record/fields.h)
+    // `pieces` are parts into which triangles are cut to draw pictures. Only as_fields() (harness/ask/fields.h)
     // makes fields of pieces; solvers do not.
     enum class Of { vertices, elements, pieces };
     // `lower` and `upper` are bounds on distances, with the unit of a length. `number` has no unit.

@@ -1,7 +1,7 @@
 // The questions of the C interface.
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/rounding.h"
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 #include "library/errors.h"
 #include "library/question.h"
 

@@ -3,7 +3,7 @@
 #include "algorithms/registry.h"
 #include "algorithms/session/moving_target.h"
 #include "datasets/units.h"
-#include "harness/record/tolerance.h"
+#include "harness/ask/tolerance.h"
 #include "library/errors.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "library/question.h"
 
 #include "algorithms/kernel/parallel.h"
-#include "harness/record/both_ways.h"
+#include "harness/ask/both_ways.h"
 #include "library/errors.h"
 
 #include <fmt/format.h>
@@ -97,7 +97,7 @@ Question::Way Question::way(Query one, bool backward) {
     return {one, kind, pair_->session(kind, one.threads)};
 }
 
-Result Question::ask(bool backward) {
+Result Question::ask(bool backward, const Show& show) {
     const WallClock preparing;
     std::optional<Way> ready;
     try {
@@ -106,11 +106,11 @@ Result Question::ask(bool backward) {
     } catch (const BuildingStopped&) {
     }
     prepare_seconds_ += preparing.elapsed();
-    return ready ? solved(*ready) : nothing_in_time();
+    return ready ? solved(*ready, show) : nothing_in_time();
 }
 
 // The time limit is for all solving of this question together.
-Result Question::solved(const Way& way) try {
+Result Question::solved(const Way& way, const Show& show) try {
     const WallClock clock;
     Query one = way.query;
     one.time_limit = std::max(0.0, one.time_limit - solve_seconds_);
@@ -121,7 +121,7 @@ Result Question::solved(const Way& way) try {
         state = at->second.get();
     }
     Trace trace;
-    if (asked_.progress) trace.watch([this](Result& so_far) { show(so_far); });
+    if (asked_.progress) trace.watch(show);
     Result result = way.session->solve(one, state, trace);
     solve_seconds_ += clock.elapsed();
     return result;
@@ -134,15 +134,16 @@ int Question::asks_to_stop(void* question) {
     return self.stop_ || (self.asked_.cancel && self.asked_.cancel(self.asked_.cancel_data) != 0);
 }
 
-void Question::show(Result& so_far) {
-    if (complete_) complete_(so_far);
+void Question::show(const Result& so_far) {
     std::vector<hausbench_interval> bounds;
     for (const Bounds& one : so_far.statistics) bounds.push_back({one.lower, one.upper});
     if (query.quantity != Quantity::distribution) bounds = {{so_far.bounds.lower, so_far.bounds.upper}};
     if (asked_.progress(asked_.progress_data, bounds.data(), bounds.size()) != 0) stop_ = true;
 }
 
-Result Question::solve() { return ask(false); }
+Result Question::solve() {
+    return ask(false, [this](const Result& so_far) { show(so_far); });
+}
 
 // Like `hausbench measure --symmetric`, so that the answers have the same bits: by two directions, or at once if the
 // tolerance is a fraction of the lower bound.
@@ -151,16 +152,8 @@ Result Question::solve_symmetric() {
         query.quantity = Quantity::symmetric;
         return solve();
     }
-    complete_ = [](Result& so_far) { so_far.bounds.upper = infinity; };  // h(B,A) has no upper bound yet
-    Result forward = ask(false);
-    if (forward.status == Status::above_cutoff) {  // so is H(A,B), which has no upper bound, as h(B,A) has none
-        forward.bounds.upper = infinity;
-        return forward;
-    }
-    complete_ = [&](Result& so_far) { so_far = larger_of(query, forward, turned(so_far)); };
-    const Result backward = turned(ask(true));
-    complete_ = nullptr;
-    return larger_of(query, forward, backward);
+    const auto ask_one = [this](bool backward, const Show& closer) { return ask(backward, closer); };
+    return ask_both_ways(query, ask_one, [this](const BothWays& so_far) { show(so_far.whole); }).whole;
 }
 
 int Question::status_of(const Result& result) const {

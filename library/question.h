@@ -2,7 +2,7 @@
 #pragma once
 
 #include "algorithms/session/adapter.h"
-#include "harness/record/tolerance.h"
+#include "harness/ask/tolerance.h"
 #include "library/hausbench.h"
 #include "library/pair.h"
 
@@ -37,17 +37,17 @@ private:
         std::shared_ptr<const Session> session;
     };
     Way way(Query one, bool backward);
-    Result ask(bool backward);  // h(A,B) or h(B,A)
-    Result solved(const Way& way);
-    void show(Result& so_far);  // to the caller's progress function
+    using Show = std::function<void(const Result&)>;  // gets bounds on the way
+    Result ask(bool backward, const Show& show);      // for h(A,B) or h(B,A)
+    Result solved(const Way& way, const Show& show);
+    void show(const Result& so_far);  // to the caller's progress function
     int status_of(const Result& result) const;
     static int asks_to_stop(void* question);  // the hook of interrupt_
 
     std::shared_ptr<Pair> pair_;
     hausbench_query asked_;
     Interrupt interrupt_;
-    bool stop_ = false;                      // the progress function has asked to stop
-    std::function<void(Result&)> complete_;  // makes an answer for one direction one for H(A,B); empty: no need
+    bool stop_ = false;  // the progress function has asked to stop
     Chain* chain_ = nullptr;
     double prepare_seconds_ = 0, solve_seconds_ = 0;
 };

@@ -6,7 +6,7 @@
 #include "datasets/hash.h"
 #include "harness/check/verify.h"
 #include "harness/record/json_values.h"
-#include "harness/record/tolerance.h"
+#include "harness/ask/tolerance.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>

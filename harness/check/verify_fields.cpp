@@ -2,7 +2,7 @@
 
 #include "algorithms/kernel/watched.h"
 #include "harness/check/verify_exact.h"
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 
 #include <fmt/format.h>
 

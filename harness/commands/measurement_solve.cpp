@@ -4,8 +4,8 @@
 #include "algorithms/session/adapter.h"
 #include "algorithms/session/session.h"
 #include "datasets/shape_file.h"
+#include "harness/ask/both_ways.h"
 #include "harness/check/certificate_file.h"
-#include "harness/record/both_ways.h"
 #include "harness/result/field_file.h"
 #include "process/memory.h"
 
@@ -55,7 +55,7 @@ public:
         clock_ = {};
         if (!work_.request.asks_for_h()) {
             measured_.result = ask(*forward_, query_, measured_.forward_seconds,
-                                   [&](Result& so_far) { measured_.result = std::move(so_far); });
+                                   [&](const Result& so_far) { measured_.result = so_far; });
         } else if (relative()) {
             solve_relative();
         } else {
@@ -164,7 +164,7 @@ private:
 
     // `keep` stores an answer so far in `measured_`.
     Result ask(const Session& session, Query query, double& seconds,
-               const std::function<void(Result&)>& keep = nullptr) const {
+               const std::function<void(const Result&)>& keep = nullptr) const {
         const WallClock clock;
         query.time_limit = clock_.left(query.time_limit);
         Trace trace;
@@ -185,22 +185,16 @@ private:
     // Solves each direction to the full tolerance, because both are printed. (For H alone, the second direction could
     // stop once it is known to be below the first.)
     void solve_both() {
-        const Result forward = ask(*forward_, query_, measured_.forward_seconds, [&](Result& so_far) {
-            measured_.result = so_far;
-            measured_.result.bounds.upper = infinity;  // h(B,A) has no upper bound yet
-            measured_.forward = std::move(so_far);
-        });
-        measured_.forward = forward;
-        if (forward.status == Status::above_cutoff) {  // so H is above it, too; h(B,A) and thus H have no upper bound
-            measured_.result = forward;
-            measured_.result.bounds.upper = infinity;
-            return;
-        }
-        const auto add_backward = [&](const Result& so_far) {
-            measured_.backward = turned(so_far);
-            measured_.result = larger_of(query_, forward, *measured_.backward);
+        const auto keep = [&](const BothWays& so_far) {
+            measured_.result = so_far.whole;
+            measured_.forward = so_far.forward;
+            measured_.backward = so_far.backward;
         };
-        add_backward(ask(*backward_, query_, measured_.backward_seconds, add_backward));
+        const auto ask_one = [&](bool backward, const std::function<void(const Result&)>& closer) {
+            return ask(backward ? *backward_ : *forward_, query_,
+                       backward ? measured_.backward_seconds : measured_.forward_seconds, closer);
+        };
+        keep(ask_both_ways(query_, ask_one, keep));
     }
 
     // Solves with a tolerance that is a fraction of the lower bound. A direction with distance 0 has the lower bound 0,
@@ -210,7 +204,7 @@ private:
         Query whole = query_;
         whole.quantity = Quantity::symmetric;
         double ignored = 0;
-        measured_.result = ask(*both_, whole, ignored, [&](Result& so_far) { measured_.result = std::move(so_far); });
+        measured_.result = ask(*both_, whole, ignored, [&](const Result& so_far) { measured_.result = so_far; });
         const double gap = query_.tolerance.gap(measured_.result.bounds.lower);
         if (!(gap > 0) || measured_.result.status != Status::converged) return;
         Query query = query_;

@@ -3,7 +3,7 @@
 
 #include "algorithms/options.h"
 #include "algorithms/solver.h"
-#include "harness/record/tolerance.h"
+#include "harness/ask/tolerance.h"
 
 #include <cstdint>
 #include <filesystem>

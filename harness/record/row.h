@@ -2,7 +2,7 @@
 // columns of the file.
 #pragma once
 
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 #include "harness/record/outcome.h"
 
 #include <array>

@@ -5,7 +5,7 @@
 // "count"}, ...]}. The values follow, one field after the other, as little-endian float64.
 #pragma once
 
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 
 #include <filesystem>
 #include <optional>

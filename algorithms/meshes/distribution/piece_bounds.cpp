@@ -197,6 +197,17 @@ std::optional<AffineBounds> bounds_of_points(const Piece& piece, std::span<const
     return bounds;
 }
 
+// Returns the first corner of the edge that a point of the triangle lies on; nothing if it lies on none.
+std::optional<std::size_t> edge_of(const std::array<Vec3, 3>& corner, const Vec3& point) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 e = corner[(i + 1) % 3] - corner[i], f = point - corner[i], g = corner[(i + 2) % 3] - corner[i];
+        const double away = squared_length(cross(e, f)), third = squared_length(cross(e, g));
+        if (away <= 0x1p-60 * squared_length(e) * squared_length(e) && !(third == 0 && squared_length(e) == 0))
+            return i;
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 void bound_means(AffineBounds& bounds) {
@@ -340,18 +351,10 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     std::optional<std::size_t> vertex;
     for (std::size_t i = 0; i < 3; ++i)
         if (corner[i] == foot_) vertex = i;
-    std::size_t from = 0;
-    bool edge = false;
-    if (!vertex) {
-        for (std::size_t i = 0; i < 3 && !edge; ++i) {
-            from = i;
-            const Vec3 e = corner[(i + 1) % 3] - corner[i], f = foot_ - corner[i], g = corner[(i + 2) % 3] - corner[i];
-            const double away = squared_length(cross(e, f)), third = squared_length(cross(e, g));
-            edge = away <= 0x1p-60 * squared_length(e) * squared_length(e) && !(third == 0 && squared_length(e) == 0);
-        }
-        if (!edge) return;
-        // The foot may lie on an edge and yet the face be the nearest feature: then the planes are as good.
-    }
+    // The foot may lie on an edge and yet the face be the nearest feature: then the planes are as good.
+    const auto edge = vertex ? std::nullopt : edge_of(corner, foot_);
+    if (!vertex && !edge) return;
+    const std::size_t from = edge.value_or(0);
     const Vec3 v = vertex ? corner[*vertex] : corner[from], end = vertex ? v : corner[(from + 1) % 3], e = end - v;
     const double squared_edge = squared_length(e);
     std::array<Vec3, 3> y;
@@ -377,8 +380,7 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     for (std::size_t i = 0; i < kept_.size(); ++i) {
         const Triangle& t = near[kept_[i]].corners;
         if (!has(t, v) || !has(t, end)) {
-            if (WATCHED("distribution: triangles nearer to a part of a piece than its nearest edge", needed_[i]))
-                return;
+            if (WATCHED("distribution: triangles nearer than the edge", needed_[i])) return;
             slack = WATCHED("distribution: triangles that are nearer by rounding", 5 * (20 + 2 * piece.level) * unit);
             continue;
         }
@@ -395,16 +397,16 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     const double least = bounds.least(), most = std::sqrt(greatest);
     const double mean_of_squares =
         (dot(y[0], y[0]) + dot(y[1], y[1]) + dot(y[2], y[2]) + dot(y[0], y[1]) + dot(y[1], y[2]) + dot(y[2], y[0])) / 6;
-    const double off = (WATCHED("distribution: rounding of a quadratic polynomial", 200) +
-                        WATCHED("distribution: corners that are off, of a quadratic polynomial", 4 * piece.level)) *
+    const double off = (WATCHED("distribution: rounding of a polynomial", 200) +
+                        WATCHED("distribution: corners off their places", 4 * piece.level)) *
                        unit;
     const double off_squared = 2 * off * (most + off);
-    bounds.square_lower = std::max(
-        bounds.square_lower, mean_of_squares - WATCHED("distribution: squares beside an edge, over the face", loss) -
-                                 off_squared - 2 * slack * most);
-    bounds.square_upper = std::min(
-        bounds.square_upper,
-        mean_of_squares + WATCHED("distribution: squares past the end of an edge", beyond * beyond) + off_squared);
+    bounds.square_lower =
+        std::max(bounds.square_lower, mean_of_squares - WATCHED("distribution: squares over the face", loss) -
+                                          off_squared - 2 * slack * most);
+    bounds.square_upper =
+        std::min(bounds.square_upper,
+                 mean_of_squares + WATCHED("distribution: squares past an end", beyond * beyond) + off_squared);
     const double low = least * least, range = (greatest - low) / (greatest + low);
     if (!(least > 0 && range < 0.5 && loss <= low)) return;
     double mean = 0;
@@ -413,14 +415,13 @@ void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> ne
     const double middle = std::sqrt(0.5 * (greatest + low));
     const double squared_range = range * range;
     const double truncated =
-        WATCHED("distribution: the rule of 25 points is not exact",
+        WATCHED("distribution: the rule is not exact",
                 2 * middle * (7.0 / 256) * squared_range * squared_range * range / (1 - range) * (1 + 0x1p-40));
-    bounds.mean_lower =
-        std::max(bounds.mean_lower, mean - truncated - off - slack -
-                                        WATCHED("distribution: distances beside an edge, over the face", loss / least));
-    bounds.mean_upper = std::min(
-        bounds.mean_upper,
-        mean + truncated + off + WATCHED("distribution: distances past the end of an edge", beyond * beyond / least));
+    bounds.mean_lower = std::max(bounds.mean_lower, mean - truncated - off - slack -
+                                                        WATCHED("distribution: distances over the face", loss / least));
+    bounds.mean_upper =
+        std::min(bounds.mean_upper,
+                 mean + truncated + off + WATCHED("distribution: distances past an end", beyond * beyond / least));
 }
 
 }  // namespace hausbench

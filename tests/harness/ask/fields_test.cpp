@@ -1,6 +1,6 @@
 // Distance fields on A: compared with exact distances, written to files, and refused by the check
 // if they are wrong.
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 #include "algorithms/error.h"
 #include "harness/check/verify.h"
 #include "harness/check/verify_fields.h"

@@ -1,4 +1,4 @@
-#include "harness/record/tolerance.h"
+#include "harness/ask/tolerance.h"
 
 #include <algorithm>
 #include <limits>

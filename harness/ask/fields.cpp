@@ -1,4 +1,4 @@
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/point_triangle.h"

@@ -1,4 +1,4 @@
-#include "harness/record/both_ways.h"
+#include "harness/ask/both_ways.h"
 
 #include "algorithms/session/prepared_solver.h"
 #include "algorithms/session/symmetric.h"
@@ -35,6 +35,28 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
         whole.note.clear();
     }
     return whole;
+}
+
+BothWays ask_both_ways(const Query& query, const AskOneWay& ask, const std::function<void(const BothWays&)>& closer) {
+    BothWays all;
+    const auto take_forward = [&](const Result& forward) {
+        all.forward = all.whole = forward;
+        all.whole.bounds.upper = infinity;  // h(B,A) has no upper bound yet
+    };
+    take_forward(ask(false, [&](const Result& so_far) {
+        take_forward(so_far);
+        closer(all);
+    }));
+    if (all.forward->status == Status::above_cutoff) return all;
+    const auto take_backward = [&](const Result& backward) {
+        all.backward = turned(backward);
+        all.whole = larger_of(query, *all.forward, *all.backward);
+    };
+    take_backward(ask(true, [&](const Result& so_far) {
+        take_backward(so_far);
+        closer(all);
+    }));
+    return all;
 }
 
 }  // namespace hausbench

@@ -1,7 +1,7 @@
 // The error of the distances that fields.cpp computes.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/watched.h"
-#include "harness/record/fields.h"
+#include "harness/ask/fields.h"
 
 #include <algorithm>
 
