@@ -6,7 +6,7 @@
 #include "datasets/derive.h"
 #include "datasets/units.h"
 #include "harness/check/certificate_file.h"
-#include "harness/check/claims.h"
+#include "harness/check/contradictions.h"
 #include "harness/commands/measurement_solve.h"
 #include "harness/commands/named_shape.h"
 #include "harness/commands/witness_file.h"

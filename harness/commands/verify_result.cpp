@@ -3,7 +3,7 @@
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "datasets/shape_file.h"
-#include "harness/check/claims.h"
+#include "harness/check/contradictions.h"
 #include "harness/check/verify.h"
 #include "harness/commands/summary.h"
 #include "harness/plan/own_models.h"

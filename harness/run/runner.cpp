@@ -169,7 +169,7 @@ private:
             demands.push_back({one.seconds, plan_.cases[job.cases.front()].threads, one.bytes});
         }
         run_side_by_side(
-            demands, Room(cores_here(options_.jobs), spare_bytes()),
+            demands, Capacity(cores_here(options_.jobs), spare_bytes()),
             [&](std::size_t number, const std::vector<int>& cores) {
                 for (int round = 0; round < plan_.experiment.rounds && !HoldInterrupts::came(); ++round) {
                     std::optional<Child> worker;

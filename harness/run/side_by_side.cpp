@@ -22,20 +22,20 @@
 
 namespace hausbench {
 
-Room::Room(std::vector<int> cores, std::int64_t bytes)
+Capacity::Capacity(std::vector<int> cores, std::int64_t bytes)
     : all_cores_(cores.size()), all_bytes_(bytes), free_bytes_(bytes), free_(std::move(cores)) {}
 
-std::size_t Room::cores_of(const Demand& demand) const {
+std::size_t Capacity::cores_of(const Demand& demand) const {
     return std::clamp<std::size_t>(std::size_t(std::max(1, demand.cores)), 1, all_cores_);
 }
 
-std::int64_t Room::bytes_of(const Demand& demand) const { return std::min(demand.bytes, all_bytes_); }
+std::int64_t Capacity::bytes_of(const Demand& demand) const { return std::min(demand.bytes, all_bytes_); }
 
-bool Room::fits(const Demand& demand) const {
+bool Capacity::fits(const Demand& demand) const {
     return cores_of(demand) <= free_.size() && bytes_of(demand) <= free_bytes_;
 }
 
-std::vector<int> Room::take(const Demand& demand) {
+std::vector<int> Capacity::take(const Demand& demand) {
     const auto end = free_.begin() + std::ptrdiff_t(cores_of(demand));
     std::vector<int> taken(free_.begin(), end);
     free_.erase(free_.begin(), end);
@@ -43,7 +43,7 @@ std::vector<int> Room::take(const Demand& demand) {
     return taken;
 }
 
-void Room::give_back(const Demand& demand, const std::vector<int>& cores) {
+void Capacity::give_back(const Demand& demand, const std::vector<int>& cores) {
     free_.insert(free_.end(), cores.begin(), cores.end());
     free_bytes_ += bytes_of(demand);
 }
@@ -98,9 +98,9 @@ namespace {
 // another.
 class Lanes {
 public:
-    Lanes(const std::vector<Demand>& demands, Room room,
+    Lanes(const std::vector<Demand>& demands, Capacity capacity,
           const std::function<void(std::size_t, const std::vector<int>&)>& work, const std::function<bool()>& stop)
-        : demands_(demands), room_(std::move(room)), work_(work), stop_(stop), waiting_(demands.size()) {
+        : demands_(demands), capacity_(std::move(capacity)), work_(work), stop_(stop), waiting_(demands.size()) {
         std::iota(waiting_.begin(), waiting_.end(), 0);
         std::stable_sort(waiting_.begin(), waiting_.end(),
                          [&](std::size_t a, std::size_t b) { return demands_[a].seconds > demands_[b].seconds; });
@@ -109,8 +109,8 @@ public:
     void lane() {
         std::unique_lock lock(lock_);
         for (;;) {
-            const auto next =
-                std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t i) { return room_.fits(demands_[i]); });
+            const auto next = std::find_if(waiting_.begin(), waiting_.end(),
+                                           [&](std::size_t i) { return capacity_.fits(demands_[i]); });
             if (waiting_.empty() || failure_ || stop_()) return;
             if (next == waiting_.end()) {
                 room_made_.wait(lock);  // some task is running, because each task fits if all resources are free
@@ -118,7 +118,7 @@ public:
             }
             const std::size_t number = *next;
             waiting_.erase(next);
-            const std::vector<int> cores = room_.take(demands_[number]);
+            const std::vector<int> cores = capacity_.take(demands_[number]);
             lock.unlock();
             std::exception_ptr failure;
             try {
@@ -128,7 +128,7 @@ public:
             }
             lock.lock();
             if (!failure_) failure_ = failure;
-            room_.give_back(demands_[number], cores);
+            capacity_.give_back(demands_[number], cores);
             room_made_.notify_all();
         }
     }
@@ -139,7 +139,7 @@ public:
 
 private:
     const std::vector<Demand>& demands_;
-    Room room_;
+    Capacity capacity_;
     const std::function<void(std::size_t, const std::vector<int>&)>& work_;
     const std::function<bool()>& stop_;
     std::mutex lock_;
@@ -150,11 +150,11 @@ private:
 
 }  // namespace
 
-void run_side_by_side(const std::vector<Demand>& demands, Room room,
+void run_side_by_side(const std::vector<Demand>& demands, Capacity capacity,
                       const std::function<void(std::size_t, const std::vector<int>&)>& work,
                       const std::function<bool()>& stop) {
-    const std::size_t most = std::min(demands.size(), room.cores());
-    Lanes lanes(demands, std::move(room), work, stop);
+    const std::size_t most = std::min(demands.size(), capacity.cores());
+    Lanes lanes(demands, std::move(capacity), work, stop);
     {
         std::vector<std::jthread> threads;
         try {

@@ -15,9 +15,9 @@ struct Demand {
 };
 
 // Keeps track of the free cores and memory. A class of its own, so that it can be tested without threads.
-class Room {
+class Capacity {
 public:
-    Room(std::vector<int> cores, std::int64_t bytes);
+    Capacity(std::vector<int> cores, std::int64_t bytes);
 
     std::size_t cores() const { return all_cores_; }
     bool fits(const Demand& demand) const;
@@ -42,7 +42,7 @@ std::vector<int> cores_here(int count);
 // The longest task that fits into the free resources starts first. Returns when all tasks have ended. Once `stop`
 // returns true or `work` throws, no further task starts; the first exception is rethrown after all running tasks have
 // ended.
-void run_side_by_side(const std::vector<Demand>& demands, Room room,
+void run_side_by_side(const std::vector<Demand>& demands, Capacity capacity,
                       const std::function<void(std::size_t, const std::vector<int>&)>& work,
                       const std::function<bool()>& stop);
 

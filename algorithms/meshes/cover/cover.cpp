@@ -131,7 +131,7 @@ private:
     SearchBounds bounds_;
     Deadline deadline_;
     std::optional<CoverProofs> proofs_;
-    CoverScene scene_;
+    CoverInput scene_;
     Threads threads_;
     std::vector<std::unique_ptr<CoverWorker>> workers_;  // one per thread; null until the thread gets its first part
     std::vector<Cluster> clusters_;

@@ -14,8 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t most_seconds = 4;  // number of triangles that by_two() tries as the second of two
-constexpr std::size_t crowded = 12;      // a polygon with this many corners is cut in two instead
+constexpr std::size_t most_second_triangles = 4;  // number of triangles that by_two() tries as the second of two
+constexpr std::size_t crowded = 12;               // a polygon with this many corners is cut in two instead
 // After this many peels, a polygon is cut in two instead: along a short edge each peel may remove next to nothing.
 constexpr int most_peels = 8;
 
@@ -112,7 +112,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     for (std::size_t i = next(end); i != run.begin; i = next(i)) others = others & within(i);
     std::size_t looked = 0;
     others.for_each([&](std::size_t k) {
-        if (out.second != no_triangle || ++looked > most_seconds) return;
+        if (out.second != no_triangle || ++looked > most_second_triangles) return;
         Sampled<T> second;
         measure_samples(c_, all_, k, points, second);
         for (const Tried& first : tried) {

@@ -23,7 +23,7 @@ namespace hausbench {
 struct Landmark {
     Vec3 at = Vec3::Zero();
     double distance = 0;  // to triangle `near`, as computed
-    Index near = -1;      // the nearest triangle of B, or a partner (CoverScene::partner); -1: not measured
+    Index near = -1;      // the nearest triangle of B, or a partner (CoverInput::partner); -1: not measured
     Index vertex = -1;    // if the landmark is a vertex of A: its index; otherwise -1
 };
 
@@ -41,7 +41,7 @@ struct KnownUpper {
 
 // A group of neighbouring triangles of A, with the best known upper bound on its distance to B.
 struct Cluster {
-    std::size_t begin = 0, count = 0;  // its triangles are entries begin to begin + count - 1 of CoverScene::order
+    std::size_t begin = 0, count = 0;  // its triangles are entries begin to begin + count - 1 of CoverInput::order
     KnownUpper upper;
     Landmark landmark;
 };
@@ -50,8 +50,8 @@ struct Cluster {
 // their order, so that neighbours stay together.
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
 
-// The data of one query. Keeps references.
-struct CoverScene {
+// What a CoverWorker gets. Keeps references.
+struct CoverInput {
     const TriangleMesh& a;
     const Points& points;  // vertices of A, after its pose
     const Target& target;

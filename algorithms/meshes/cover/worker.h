@@ -40,7 +40,7 @@ private:
 
 class CoverWorker final : CoverHost {
 public:
-    explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
+    explicit CoverWorker(const CoverInput& scene) : scene_(scene) {}
     CoverWorker(CoverWorker&&) = default;
 
     // Starts a new part. `farthest` gives the lower bound, `settled` is the largest upper bound accepted so far, and
@@ -106,7 +106,7 @@ private:
     bool decide_whole(const CoverPiece& piece);
     void count();
 
-    CoverScene scene_;
+    CoverInput scene_;
     const Deadline* deadline_ = nullptr;
     CoverOutcome outcome_;
     double tau_ = 0, settled_before_ = 0;

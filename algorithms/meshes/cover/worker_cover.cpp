@@ -20,7 +20,7 @@ constexpr std::size_t most_work_in_float = 48;  // most steps of cover_shared() 
 constexpr std::size_t most_gathered_roughly = 208, most_gathered = 224;
 constexpr int most_halvings = 20;  // after so many, decide() accepts the bound that a piece has
 
-Triangle triangle_of(const CoverScene& scene, Index i) {
+Triangle triangle_of(const CoverInput& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
     return {scene.points.row(v[0]), scene.points.row(v[1]), scene.points.row(v[2])};
 }

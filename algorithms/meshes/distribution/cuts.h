@@ -1,7 +1,7 @@
 // Cuts a piece in two or three: in the middle of an edge, or along the line on which the nearest triangle of B changes.
 #pragma once
 
-#include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/meshes/distribution/mean_bounds.h"
 
 #include <array>
 #include <cstddef>
@@ -23,7 +23,7 @@ struct Parts {
 
 // Cuts a piece where the nearest triangle of B changes: between the triangle nearest to the centre, which is the first
 // of `kept`, and the one that is nearer to a corner by most. If none is, cuts along the plane of the nearest triangle.
-// `kept` and `squares` are kept() and kept_squares() of a PieceBounder, `magnitude` is M of kernel/rounding.h. The cut
+// `kept` and `squares` are kept() and kept_squares() of a MeanBounder, `magnitude` is M of kernel/rounding.h. The cut
 // need not be exact: any cut is valid, and the level of the parts covers the rounding errors of their corners.
 Parts cut_at_change(const Piece& piece, std::span<const NearbyTriangle> near, std::span<const std::uint16_t> kept,
                     std::span<const CornerValues> squares, double magnitude);

@@ -241,7 +241,7 @@ private:
     std::size_t most_, enough_ = 0;
     std::size_t work_ = 0, searched_ = 0;  // since the last look at the clock, and in searches of the current piece
     bool stopped_ = false;
-    PieceBounder bounder_;
+    MeanBounder bounder_;
     std::vector<Leaf> leaves_;
     Counters counters_;
     NearTriangles<float> near_;
@@ -288,7 +288,7 @@ Dissection::Dissection(const Triangles& triangles, const Points& points, const T
 
 // A leaf for a piece that there was no time to look at: the distance to some triangle of B is an upper bound.
 Leaf Dissection::unknown(const Piece& piece) const {
-    return {piece, PieceBounder(magnitude_).rough(piece, triangle_of(target_.mesh(), 0), 0), weight_of(piece), false};
+    return {piece, MeanBounder(magnitude_).rough(piece, triangle_of(target_.mesh(), 0), 0), weight_of(piece), false};
 }
 
 Leaf Dissection::uncut(std::size_t triangle) const {

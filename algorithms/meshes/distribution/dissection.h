@@ -3,7 +3,7 @@
 
 #include "algorithms/kernel/counters.h"
 #include "algorithms/kernel/parallel.h"
-#include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/meshes/distribution/mean_bounds.h"
 #include "algorithms/scene.h"
 #include "algorithms/statistic.h"
 #include "algorithms/structures/triangle_blocks.h"

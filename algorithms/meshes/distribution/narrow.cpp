@@ -314,7 +314,7 @@ private:
     }
 
     // Returns the corner of a piece with the largest lower bound. A corner of level k is off its triangle by at most
-    // 2k * uM, and its lower bound was lowered by more (piece_bounds.cpp), so the bound also holds for the corner as
+    // 2k * uM, and its lower bound was lowered by more (mean_bounds.cpp), so the bound also holds for the corner as
     // computed, less its distance from the triangle.
     Witness witness() const {
         Witness found;

@@ -152,7 +152,7 @@ TEST(DistributionPieces, BoundsOfAPieceHoldUnderRounding) {
             magnitude = std::max(magnitude, p.cwiseAbs().maxCoeff());
         const NearbyTriangle near{t, 0};
         const std::uint16_t first = 0;
-        const AffineBounds bounds = PieceBounder(magnitude).bounds(piece, {&near, 1}, {&first, 1});
+        const AffineBounds bounds = MeanBounder(magnitude).bounds(piece, {&near, 1}, {&first, 1});
 
         const double off = (i % 4 < 2 ? 1 : -1) * 2 * level * unit_roundoff * magnitude * (1 - 0x1p-20);
         std::array<RealVec3, 3> moved, of_t{t.a.cast<Real>(), t.b.cast<Real>(), t.c.cast<Real>()};
@@ -185,7 +185,7 @@ TEST(DistributionPieces, ATriangleThatIsNearerToAPartCounts) {
     const Piece piece{{{{0.75, -0.1, 0}, {0.85, 0.15, 0.1}, {1.08, 0, 0}}}, 1, 0, -1, 0, 0};
     const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
     const std::array<std::uint16_t, 2> among{0, 1};
-    PieceBounder bounder(2);
+    MeanBounder bounder(2);
     const AffineBounds bounds = bounder.bounds(piece, near, among);
     ASSERT_EQ(bounder.kept(), (std::vector<std::uint16_t>{0, 1}));
     const auto [mean, mean_of_squares] =
@@ -206,7 +206,7 @@ TEST(DistributionPieces, ATriangleThatIsNearerByRoundingCounts) {
     const Piece piece{{{{-1, -0x1p-40, h}, {-1, 0x1p-40, h}, {2.01, 0, h}}}, 1, 0, -1, level, 0};
     const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
     const std::array<std::uint16_t, 2> among{0, 1};
-    PieceBounder bounder(magnitude);
+    MeanBounder bounder(magnitude);
     const AffineBounds bounds = bounder.bounds(piece, near, among);
     ASSERT_EQ(bounder.kept(), (std::vector<std::uint16_t>{0, 1}));
     const double beside = (2.01 / 3.01) * (2.01 / 3.01), to_s = h - 2 * level * um, to_t = to_s - nearer;
@@ -233,7 +233,7 @@ TEST(DistributionPieces, BoundsBetweenFoldedTrianglesHoldUnderRounding) {
             p = v + random.real(0.55, 0.65) * e + random.real(0.2, 0.3) * x + random.real(-across, across) * z;
         const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
         const std::array<std::uint16_t, 2> among{0, 1};
-        const AffineBounds bounds = PieceBounder(1.5).bounds(piece, near, among);
+        const AffineBounds bounds = MeanBounder(1.5).bounds(piece, near, among);
         tried += bisector_of(s, t).has_value();
         for (std::size_t k = 0; k < 3; ++k) {
             exact::Rational squared = -1;
@@ -334,7 +334,7 @@ TEST(DistributionPieces, RoughBoundsHoldUnderRounding) {
         const exact::Rational at_centre = squared_at(exact::vector(piece.centre()));
         double least = std::sqrt(at_centre.get_d());
         while (exact::Rational(least) * exact::Rational(least) > at_centre) least = next_down(least);
-        const AffineBounds bounds = PieceBounder(magnitude).rough(piece, t, least);
+        const AffineBounds bounds = MeanBounder(magnitude).rough(piece, t, least);
         const double off = (i % 4 < 2 ? 1 : -1) * 2 * level * unit_roundoff * magnitude * (1 - 0x1p-20);
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3 away = (piece.corners[k] - closest_point(piece.corners[k], t).point).normalized();

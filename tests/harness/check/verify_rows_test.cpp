@@ -1,5 +1,5 @@
 // The check of result rows on small shapes: what it proves, what it refutes, and how it stops.
-#include "harness/check/claims.h"
+#include "harness/check/contradictions.h"
 #include "harness/check/verify.h"
 #include "tests/support/random.h"
 

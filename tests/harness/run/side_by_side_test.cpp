@@ -27,28 +27,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Room, CoresAndMemoryAreTakenAndGivenBack) {
-    Room room({4, 7, 9}, 100);
+TEST(Capacity, CoresAndMemoryAreTakenAndGivenBack) {
+    Capacity capacity({4, 7, 9}, 100);
     const Demand large{.cores = 2, .bytes = 70}, small{.cores = 1, .bytes = 40};
-    ASSERT_TRUE(room.fits(large));
-    const auto cores = room.take(large);
+    ASSERT_TRUE(capacity.fits(large));
+    const auto cores = capacity.take(large);
     EXPECT_EQ(cores, (std::vector<int>{4, 7}));
-    EXPECT_FALSE(room.fits(small)) << "a core is free, but its memory is not";
-    EXPECT_TRUE(room.fits({.cores = 1, .bytes = 30}));
-    EXPECT_FALSE(room.fits({.cores = 2, .bytes = 1}));
-    room.give_back(large, cores);
-    EXPECT_TRUE(room.fits({.cores = 3, .bytes = 100}));
+    EXPECT_FALSE(capacity.fits(small)) << "a core is free, but its memory is not";
+    EXPECT_TRUE(capacity.fits({.cores = 1, .bytes = 30}));
+    EXPECT_FALSE(capacity.fits({.cores = 2, .bytes = 1}));
+    capacity.give_back(large, cores);
+    EXPECT_TRUE(capacity.fits({.cores = 3, .bytes = 100}));
 }
 
-TEST(Room, WhatIsTooLargeForTheMachineRunsAlone) {
-    Room room({0, 1}, 100);
+TEST(Capacity, WhatIsTooLargeForTheMachineRunsAlone) {
+    Capacity capacity({0, 1}, 100);
     const Demand giant{.cores = 64, .bytes = 500};
-    ASSERT_TRUE(room.fits(giant));
-    const auto cores = room.take(giant);
+    ASSERT_TRUE(capacity.fits(giant));
+    const auto cores = capacity.take(giant);
     EXPECT_EQ(cores.size(), 2u);
-    EXPECT_FALSE(room.fits({.cores = 1, .bytes = 0}));
-    room.give_back(giant, cores);
-    EXPECT_TRUE(room.fits(giant));
+    EXPECT_FALSE(capacity.fits({.cores = 1, .bytes = 0}));
+    capacity.give_back(giant, cores);
+    EXPECT_TRUE(capacity.fits(giant));
 }
 
 // A job that records the most cores and bytes in use at once, and fails if two jobs share a core. Until `cores` have
@@ -91,7 +91,7 @@ TEST(SideBySide, EachRunsOnceOnCoresOfItsOwnAndTwoGiantsNeverTogether) {
     std::vector<Demand> demands;
     for (int i = 0; i < 20; ++i) demands.push_back({double(i), 1 + i % 2, i % 5 == 0 ? 60 : 10});
     Watch watch(demands, 3);
-    run_side_by_side(demands, Room({0, 1, 2}, 100), std::ref(watch), [] { return false; });
+    run_side_by_side(demands, Capacity({0, 1, 2}, 100), std::ref(watch), [] { return false; });
     std::vector<std::size_t> all(demands.size());
     std::iota(all.begin(), all.end(), 0);
     std::sort(watch.begun_.begin(), watch.begun_.end());
@@ -106,7 +106,7 @@ TEST(SideBySide, TheLongestBeginsFirst) {
     std::vector<Demand> demands;
     for (const double seconds : {3.0, 1.0, 4.0, 1.5, 9.0, 2.0, 6.0}) demands.push_back({seconds, 1, 10});
     Watch watch(demands, 1);
-    run_side_by_side(demands, Room({0}, 100), std::ref(watch), [] { return false; });
+    run_side_by_side(demands, Capacity({0}, 100), std::ref(watch), [] { return false; });
     EXPECT_EQ(watch.begun_, (std::vector<std::size_t>{4, 6, 2, 0, 5, 3, 1}));
 }
 
@@ -114,7 +114,8 @@ TEST(SideBySide, NothingBeginsOnceItIsStopped) {
     const std::vector<Demand> demands(50);
     std::atomic<int> begun = 0;
     run_side_by_side(
-        demands, Room({0, 1}, 1), [&](std::size_t, const std::vector<int>&) { ++begun; }, [&] { return begun >= 5; });
+        demands, Capacity({0, 1}, 1), [&](std::size_t, const std::vector<int>&) { ++begun; },
+        [&] { return begun >= 5; });
     EXPECT_GE(begun, 5);
     EXPECT_LE(begun, 6) << "one may have begun on the other core";
 }
@@ -128,13 +129,13 @@ TEST(SideBySide, WhatIsThrownComesOutOnceTheOthersHaveEnded) {
         --running;
         if (number == 0) throw InputError("the disk is full");
     };
-    EXPECT_THROW(run_side_by_side(demands, Room({0, 1}, 1), work, [] { return false; }), InputError);
+    EXPECT_THROW(run_side_by_side(demands, Capacity({0, 1}, 1), work, [] { return false; }), InputError);
     EXPECT_EQ(running, 0);
 }
 
 TEST(SideBySide, NothingToDo) {
     run_side_by_side(
-        {}, Room({0}, 1), [](std::size_t, const std::vector<int>&) { FAIL(); }, [] { return false; });
+        {}, Capacity({0}, 1), [](std::size_t, const std::vector<int>&) { FAIL(); }, [] { return false; });
 }
 
 TEST(CoresHere, AreThoseThatThisProcessMayRunOn) {

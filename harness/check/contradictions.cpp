@@ -1,4 +1,4 @@
-#include "harness/check/claims.h"
+#include "harness/check/contradictions.h"
 
 #include "algorithms/kernel/watched.h"
 #include "algorithms/solver.h"

@@ -22,7 +22,7 @@
 //   at most 3u * sqrt(3) * M < 5.2uM. So n.p and h err by 5.2uM each, their difference by another u * 3.5M, and so
 //   does the subtraction of the allowance: 17.4uM, for which 20uM are taken. The corners of a piece of level k are off
 //   by 2k * uM.
-#include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/meshes/distribution/mean_bounds.h"
 
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
@@ -224,7 +224,7 @@ void bound_means(AffineBounds& bounds) {
 // matter. The way to a corner errs by 3.5u (kernel/rounding.h, point to point), and the product with 1 + 8u by u, so
 // `away` is not below it. A corner of level k is off by 2k * uM. Both lengths are below 2 sqrt(3) M < 3.5M, so each of
 // the two subtractions errs by at most 3.5uM: 7uM, for which 8uM are taken.
-AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
+AffineBounds MeanBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
     AffineBounds bounds;
     const Vec3 c = piece.centre();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -243,8 +243,8 @@ AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, doubl
     return bounds;
 }
 
-AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTriangle> near,
-                                  std::span<const std::uint16_t> among) {
+AffineBounds MeanBounder::bounds(const Piece& piece, std::span<const NearbyTriangle> near,
+                                 std::span<const std::uint16_t> among) {
     kept_.assign(1, among[0]);
     squares_.assign(1, {});  // a point is never cut
     if (const std::optional<AffineBounds> of_points = bounds_of_points(piece, near, among)) return *of_points;
@@ -344,7 +344,7 @@ AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTria
 //
 // Rounding: y errs by less than 30uM, products y.e by less than 60uM |e|, the rule by 200uM in all, and the mean of q
 // by 200uM times the largest d. A corner of level k is off by 2k * uM.
-void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> near, AffineBounds& bounds) {
+void MeanBounder::curved(const Piece& piece, std::span<const NearbyTriangle> near, AffineBounds& bounds) {
     const Triangle& s = near[kept_[0]].corners;
     const std::array<Vec3, 3> corner{s.a, s.b, s.c};
     const double unit = unit_roundoff * magnitude_;

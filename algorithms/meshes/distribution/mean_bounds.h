@@ -55,10 +55,10 @@ std::optional<Bisector> bisector_of(const Triangle& s, const Triangle& t);
 double reach_of(const Piece& piece, double squared, double magnitude);
 
 // Computes bounds for pieces, given the triangles of B near them. Has scratch memory, so each thread needs its own.
-class PieceBounder {
+class MeanBounder {
 public:
     // `magnitude` is M of kernel/rounding.h.
-    explicit PieceBounder(double magnitude) : magnitude_(magnitude) {}
+    explicit MeanBounder(double magnitude) : magnitude_(magnitude) {}
 
     // Computes the bounds for a piece. `among` are numbers of triangles in `near`, and every point of the piece has a
     // nearest triangle of B among them; the first of them is a good guess for the triangle nearest to the centre.
