@@ -87,21 +87,16 @@ const TriangleMesh& PreparedShape::triangles() const {
 }
 
 const BuiltStructure& PreparedShape::structure(const StructureKind& kind, const Threads& threads, bool* before) {
-    std::unique_lock lock(building_, std::defer_lock);
-    if (WATCHED("prepared: one thread builds at a time", true)) lock.lock();
+    const std::lock_guard lock(building_);
     const auto at = built_.find(kind.name);
-    if (WATCHED("prepared: who shares a structure says so", before)) *before = at != built_.end();
+    if (before) *before = at != built_.end();
     if (at != built_.end()) return at->second;
     if (!kind.fits(kind_of(shape_)))
         throw std::logic_error("a " + kind.name + " was declared, but the shape of that side is of another kind");
     const auto begin = std::chrono::steady_clock::now();
     BuiltStructure built = kind.build(*this, threads);
     built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return built_
-        .emplace(WATCHED_ELSE("prepared: a structure is kept for the next scene", kind.name,
-                              kind.name + std::to_string(built_.size())),
-                 std::move(built))
-        .first->second;
+    return built_.emplace(kind.name, std::move(built)).first->second;
 }
 
 int scale_exponent(double largest) {
