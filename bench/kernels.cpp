@@ -242,12 +242,6 @@ void swept_bounds(benchmark::State& state, Subject& subject) {
     count(state, nodes);
 }
 
-void refit(benchmark::State& state, const Subject& subject) {
-    TriangleBvh tree(subject.mesh);
-    for (auto _ : state) tree.refit(subject.mesh);
-    count(state, static_cast<std::size_t>(subject.mesh.triangles.rows()));
-}
-
 void register_subject(Subject& s) {
     const auto triangles = static_cast<std::size_t>(s.mesh.triangles.rows()),
                vertices = static_cast<std::size_t>(s.mesh.vertices.rows());
@@ -274,7 +268,6 @@ void register_subject(Subject& s) {
     add("build/point_octree", [&s, vertices](auto& state) { build<PointOctree>(state, s.mesh.vertices, vertices); });
     add("build/point_blocks", [&s, vertices](auto& state) { build<PointBlocks>(state, s.mesh.vertices, vertices); });
     add("build/rtree", [&s, vertices](auto& state) { build<RTree>(state, s.mesh.vertices, vertices); });
-    add("refit/bvh", [&s](auto& state) { refit(state, s); });
     add("bounds/swept_sphere", [&s](auto& state) { swept_bounds(state, s); });
 }
 
