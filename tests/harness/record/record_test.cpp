@@ -44,7 +44,8 @@ TEST(Printable, LeavesTextAndTakesWhatSteersATerminal) {
     EXPECT_EQ(printable("\033[31mred"), " [31mred");
     EXPECT_EQ(printable_lines("\033[31mred\033[0m\n\033[2J", true), "\033[31mred\033[0m\n [2J");
     EXPECT_EQ(printable_lines("\033[31mred\n", false), " [31mred\n");
-    EXPECT_EQ(one_line(std::string(999, 'x') + "ä"), std::string(999, 'x')) << "no half of a character";
+    const std::string almost_full(999, 'x');
+    EXPECT_EQ(one_line(almost_full + "ä"), almost_full) << "no half of a character";
 }
 
 TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
