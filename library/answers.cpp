@@ -89,7 +89,7 @@ int hausbench_directed(hausbench_pair* pair, const hausbench_query* query, hausb
     return guarded(error, [&] {
         expect_size(*given(answer, "answer", 3), "answer", 3);
         Question question(pair, query, 2);
-        question.answer(question.solve(), *answer);
+        question.answer(question.solve(hausbench::Quantity::directed), *answer);
     });
 }
 
@@ -98,7 +98,7 @@ int hausbench_symmetric(hausbench_pair* pair, const hausbench_query* query, haus
     return guarded(error, [&] {
         expect_size(*given(answer, "answer", 3), "answer", 3);
         Question question(pair, query, 2);
-        question.answer(question.solve_symmetric(), *answer);
+        question.answer(question.solve(hausbench::Quantity::symmetric), *answer);
     });
 }
 
@@ -112,7 +112,8 @@ int hausbench_within(hausbench_pair* pair, int32_t symmetric, double length, con
         Question question(pair, query, 4);
         question.query.floor = question.query.cutoff = length;
         if (std::isinf(question.query.time_limit)) question.query.time_limit = hausbench::question_seconds;
-        question.answer(symmetric ? question.solve_symmetric() : question.solve(), *answer);
+        question.answer(question.solve(symmetric ? hausbench::Quantity::symmetric : hausbench::Quantity::directed),
+                        *answer);
     });
 }
 
@@ -123,17 +124,17 @@ int hausbench_distribution(hausbench_pair* pair, const char* const* statistics, 
         given(values, "values", 5);
         expect_size(*given(answer, "answer", 6), "answer", 6);
         Question question(pair, query, 4);
-        question.query.quantity = hausbench::Quantity::distribution;
         question.query.statistics = statistics_of(statistics, count);
         expect_sizes(question);
-        const hausbench::Result result = question.solve();
+        const hausbench::Answer solved = question.solve(hausbench::Quantity::distribution);
+        const hausbench::Result& result = solved.result;
         for (std::size_t i = 0; i < count; ++i) {
             const bool known = i < result.statistics.size() && may_bound_a_distance(result.statistics[i]);
             const bool share = is_share(question.query.statistics[i]);
             values[i] = {0, share ? 1 : hausbench::infinity};
             if (known) values[i] = {result.statistics[i].lower, result.statistics[i].upper};
         }
-        question.answer(result, *answer);
+        question.answer(solved, *answer);
         answer->bounds = values[0];
     });
 }

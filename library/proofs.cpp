@@ -3,7 +3,6 @@
 #include "library/question.h"
 
 #ifdef HAUSBENCH_HAS_CHECKER
-#include "datasets/hash.h"
 #include "harness/check/certificate_file.h"
 #include "process/whole_file.h"
 
@@ -17,43 +16,34 @@
 namespace hausbench::library {
 namespace {
 
-CertificateFile content_of(const Question& question, Result result, bool symmetric) {
-    const Pair& pair = question.pair();
-    const auto model = [](const Model& one, const Pose& pose) {
-        return CertificateFile::Model{one.name(), content_hash(one.shape()), pose};
-    };
-    return {model(pair.source(), question.query.source_pose),
-            model(pair.target(), question.query.target_pose),
-            symmetric ? Quantity::symmetric : Quantity::directed,
-            pair.entry().info.name,
-            question.asked().tolerance,
-            question.tolerance.of,
-            result.bounds,
-            result.witness,
-            std::move(result.certificates)};
-}
-
 // Solves, checks the proof with the checker, and writes it. Throws if there is none, or if the checker refuses it.
-Result certify(Question& question, bool symmetric, const std::filesystem::path& file) {
+Answer certify(Question& question, Quantity quantity, const std::filesystem::path& file) {
     const Pair& pair = question.pair();
     if (!pair.entry().info.can(Ability::certificates))
         throw ArgumentError(1, fmt::format("pair: solver '{}' writes no certificates: prepare the pair with `cover`",
                                            pair.entry().info.name));
     check_place_to_write(file);
     question.query.wanted.certificate = true;
-    const Result result = symmetric ? question.solve_symmetric() : question.solve();
+    const Answer answer = question.solve(quantity);
+    const Result& result = answer.result;
     if (result.certificates.empty())
         throw InputError(
             fmt::format("{}: is not written: {}", file.string(),
                         result.why_no_certificate.empty() ? "the solver did not say why" : result.why_no_certificate));
-    CertificateFile content = content_of(question, result, symmetric);
-    state_what_is_proven(content, pair.source().shape(), pair.target().shape());
+    CertificateFile content;
+    content.source = {pair.source().name(), "", question.query.source_pose};
+    content.target = {pair.target().name(), "", question.query.target_pose};
+    content.quantity = quantity;
+    content.solver = pair.entry().info.name;
+    content.tolerance = question.asked().tolerance;
+    content.tolerance_of = question.tolerance.of;
+    take_answer(content, result, pair.source().shape(), pair.target().shape());
     const CertificateVerdict verdict = verify_certificate(content, pair.source().shape(), pair.target().shape());
     if (!verdict.accepted)
         throw InputError(
             fmt::format("{}: is not written: its check refuses the proof: {}", file.string(), verdict.refusal));
     write_certificate(file, content);
-    return result;
+    return answer;
 }
 
 void put(const Pose& pose, double* matrix) {
@@ -109,7 +99,9 @@ int hausbench_certify(hausbench_pair* pair, int32_t symmetric, const hausbench_q
         expect_flag(symmetric, "symmetric", 2);
         Question question(pair, query, 3);
 #ifdef HAUSBENCH_HAS_CHECKER
-        question.answer(certify(question, symmetric == 1, path), *answer);
+        question.answer(
+            certify(question, symmetric == 1 ? hausbench::Quantity::symmetric : hausbench::Quantity::directed, path),
+            *answer);
 #else
         throw hausbench::InputError(no_checker);
 #endif

@@ -1,14 +1,12 @@
 #include "library/question.h"
 
-#include "algorithms/kernel/parallel.h"
-#include "harness/ask/both_ways.h"
 #include "library/errors.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -29,13 +27,6 @@ void check(const hausbench_query& query, int argument) {
     if (query.weigh_by_number != 0 && query.weigh_by_number != 1)
         fail(fmt::format("weigh_by_number is {}: give 0 or 1", query.weigh_by_number));
     if (query.reserved != 0) fail("reserved must be 0");
-}
-
-Result nothing_in_time() {
-    Result result;
-    result.bounds = {0, infinity};
-    result.status = Status::time_limit;
-    return result;
 }
 
 const char* unit_named(std::int32_t relative_to) {
@@ -85,48 +76,20 @@ Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argu
     chain_->moves.target_moves |= !query.target_pose.is_identity();
 }
 
-// Returns the query as a question about the source and target of this direction, and its session.
-Question::Way Question::way(Query one, bool backward) {
-    if (backward) std::swap(one.source_pose, one.target_pose);
+Opened Question::open(const Query& one, bool backward) {
     Pair::Kind moves = pair_->planned();
     if (chain_) {
         moves.moves |= chain_->moves.moves;
         moves.target_moves |= chain_->moves.target_moves;
     }
     const Pair::Kind kind = pair_->kind_for(one, backward, moves);
-    return {one, kind, pair_->session(kind, one.threads)};
-}
-
-Result Question::ask(bool backward, const Show& show) {
-    const WallClock preparing;
-    std::optional<Way> ready;
-    try {
-        const Stoppable stoppable(query.interrupt);
-        ready = way(query, backward);
-    } catch (const BuildingStopped&) {
-    }
-    prepare_seconds_ += preparing.elapsed();
-    return ready ? solved(*ready, show) : nothing_in_time();
-}
-
-// The time limit is for all solving of this question together.
-Result Question::solved(const Way& way, const Show& show) try {
-    const WallClock clock;
-    Query one = way.query;
-    one.time_limit = std::max(0.0, one.time_limit - solve_seconds_);
-    State* state = nullptr;
+    Opened opened{pair_->session(kind, one.threads)};
     if (chain_) {
-        auto [at, fresh] = chain_->states.try_emplace(way.kind);
-        if (fresh) at->second = way.session->begin();
-        state = at->second.get();
+        auto [at, fresh] = chain_->states.try_emplace(kind);
+        if (fresh) at->second = opened.session->begin();
+        opened.state = at->second.get();
     }
-    Trace trace;
-    if (asked_.progress) trace.watch(show);
-    Result result = way.session->solve(one, state, trace);
-    solve_seconds_ += clock.elapsed();
-    return result;
-} catch (const BuildingStopped&) {  // while it built structures for this answer
-    return nothing_in_time();
+    return opened;
 }
 
 int Question::asks_to_stop(void* question) {
@@ -141,19 +104,13 @@ void Question::show(const Result& so_far) {
     if (asked_.progress(asked_.progress_data, bounds.data(), bounds.size()) != 0) stop_ = true;
 }
 
-Result Question::solve() {
-    return ask(false, [this](const Result& so_far) { show(so_far); });
-}
-
-// Like `hausbench measure --symmetric`, so that the answers have the same bits: by two directions, or at once if the
-// tolerance is a fraction of the lower bound.
-Result Question::solve_symmetric() {
-    if (query.tolerance.of == Tolerance::Of::lower) {
-        query.quantity = Quantity::symmetric;
-        return solve();
-    }
-    const auto ask_one = [this](bool backward, const Show& closer) { return ask(backward, closer); };
-    return ask_both_ways(query, ask_one, [this](const BothWays& so_far) { show(so_far.whole); }).whole;
+// Asks as `hausbench measure` does, so that the answers have the same bits.
+Answer Question::solve(Quantity quantity) {
+    query.quantity = quantity;
+    std::function<void(const Answer&)> closer;
+    if (asked_.progress) closer = [this](const Answer& so_far) { show(so_far.result); };
+    return ask(
+        query, [this](const Query& one, bool backward) { return open(one, backward); }, Directions::unknown, closer);
 }
 
 int Question::status_of(const Result& result) const {
@@ -172,10 +129,11 @@ int Question::status_of(const Result& result) const {
     return result.status == Status::precision_floor ? HAUSBENCH_PRECISION : HAUSBENCH_STALLED;
 }
 
-void Question::answer(const Result& result, hausbench_answer& answer) const {
+void Question::answer(const Answer& solved, hausbench_answer& answer) const {
+    const Result& result = solved.result;
     hausbench_answer ours = HAUSBENCH_ANSWER_INIT;
-    ours.prepare_seconds = prepare_seconds_;
-    ours.solve_seconds = solve_seconds_;
+    ours.prepare_seconds = solved.prepare_seconds;
+    ours.solve_seconds = solved.solve_seconds;
     ours.status = status_of(result);
     if (!may_bound_a_distance(result.bounds)) {
         ours.status = HAUSBENCH_STALLED;

@@ -1,12 +1,10 @@
 // A query of the C interface, checked, and how it is solved.
 #pragma once
 
-#include "algorithms/session/adapter.h"
+#include "harness/ask/ask.h"
 #include "harness/ask/tolerance.h"
 #include "library/hausbench.h"
 #include "library/pair.h"
-
-#include <functional>
 
 namespace hausbench::library {
 
@@ -20,27 +18,18 @@ public:
     Query query;  // tolerance, poses, limits; the caller sets the rest
     ResolvedTolerance tolerance;
 
-    // Return the answer for h(A,B), or another quantity of `query`; and for H(A,B).
-    Result solve();
-    Result solve_symmetric();
+    // Returns the answer for a quantity.
+    Answer solve(Quantity quantity);
 
     // Writes what solve() returned.
-    void answer(const Result& result, hausbench_answer& answer) const;
+    void answer(const Answer& solved, hausbench_answer& answer) const;
 
     Pair& pair() const { return *pair_; }
     const hausbench_query& asked() const { return asked_; }
 
 private:
-    struct Way {
-        Query query;
-        Pair::Kind kind;
-        std::shared_ptr<const Session> session;
-    };
-    Way way(Query one, bool backward);
-    using Show = std::function<void(const Result&)>;  // gets bounds on the way
-    Result ask(bool backward, const Show& show);      // for h(A,B) or h(B,A)
-    Result solved(const Way& way, const Show& show);
-    void show(const Result& so_far);  // to the caller's progress function
+    Opened open(const Query& one, bool backward);  // as OpenSession
+    void show(const Result& so_far);               // to the caller's progress function
     int status_of(const Result& result) const;
     static int asks_to_stop(void* question);  // the hook of interrupt_
 
@@ -49,7 +38,6 @@ private:
     Interrupt interrupt_;
     bool stop_ = false;  // the progress function has asked to stop
     Chain* chain_ = nullptr;
-    double prepare_seconds_ = 0, solve_seconds_ = 0;
 };
 
 // Returns the pose of a 4 x 4 matrix as in hausbench_query. Throws ArgumentError, with `of` before the name, if it is none.

@@ -37,7 +37,7 @@ WHAT = {
     "plan": "harness/plan/: what to run",
     "result": "harness/result/: result files, written and read",
     "record": "harness/record/: case, outcome, the table of columns",
-    "ask": "harness/ask/: tolerances, H from both directions, fields",
+    "ask": "harness/ask/: questions and answers, also in a child process",
     "datasets": "datasets/: models by name, foreign files",
     "composed": "algorithms/composed/: over sessions",
     "process": "process/: children, scratch folders",

@@ -4,9 +4,9 @@
 #include "algorithms/kernel/watched.h"
 #include "algorithms/printable.h"
 #include "datasets/hash.h"
-#include "harness/check/verify.h"
-#include "harness/record/json_values.h"
+#include "harness/ask/json_values.h"
 #include "harness/ask/tolerance.h"
+#include "harness/check/verify.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>
@@ -261,6 +261,15 @@ void state_what_is_proven(CertificateFile& content, const Shape& source, const S
     if (proves_the_bound(proven, content.bounds.upper, extent_of(content, source, target)))
         content.bounds.upper =
             std::max(content.bounds.upper, WATCHED("certificate: a file states what it proves", proven));
+}
+
+void take_answer(CertificateFile& content, Result answer, const Shape& source, const Shape& target) {
+    content.source.sha256 = content_hash(source);
+    content.target.sha256 = content_hash(target);
+    content.bounds = answer.bounds;
+    content.witness = answer.witness;
+    content.certificates = std::move(answer.certificates);
+    state_what_is_proven(content, source, target);
 }
 
 Shape as_loaded(const PreparedShape& prepared) {

@@ -51,6 +51,10 @@ bool proves_the_bound(double proven, double upper, double extent);
 // before write_certificate(), because verify_certificate() accepts only what is proven.
 void state_what_is_proven(CertificateFile& content, const Shape& source, const Shape& target);
 
+// Puts an answer with certificates into a file that names the rest: the shapes, their poses, the quantity, the solver and
+// the tolerance. Adds the hashes of the shapes, and states what is proven.
+void take_answer(CertificateFile& content, Result answer, const Shape& source, const Shape& target);
+
 struct CertificateVerdict {
     bool accepted = false;
     double proven = 0;                     // upper bound on h(A,B) or H(A,B)

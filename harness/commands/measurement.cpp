@@ -164,7 +164,7 @@ std::string default_solver(ShapeKind source, ShapeKind target) {
 // Warns if the float32 coordinates of a file are spaced wider than the tolerance.
 void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     const bool relative = request.of == "lower";
-    const double gap = relative ? request.tolerance * measured.result.bounds.lower : measured.tolerance_absolute;
+    const double gap = relative ? request.tolerance * measured.answer.result.bounds.lower : measured.tolerance_absolute;
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         if (!shape->report.float32 || !(shape->float32_spacing > gap) || !(gap > 0)) continue;
         measured.warnings.push_back(
@@ -341,15 +341,11 @@ Measured measure(const MeasureRequest& asked) {
     measured.certified = promises(entry, request.options);
     measured.extent = diagonal_of_both(points_of(source.shape), points_of(target.shape));
     const Tolerance tolerance = tolerance_of(request, points_of(source.shape), measured);
-    const MeasureWork work{entry, request, tolerance};
-    if (request.in_process)
-        prepare_and_solve(work, std::move(source.shape), std::move(target.shape), measured, {});
-    else
-        solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
+    solve(request, entry, tolerance, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
     warn_of_unreferenced(measured);
     if (const std::string wrong =
-            wrong_witness(measured.result.witness, measured.source.elements, measured.target.elements);
+            wrong_witness(measured.answer.result.witness, measured.source.elements, measured.target.elements);
         !wrong.empty())
         measured.warnings.push_back(fmt::format("do not trust solver '{}': {}", measured.solver, wrong));
     if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
@@ -360,7 +356,7 @@ Measured measure(const MeasureRequest& asked) {
         measured.warnings.push_back(
             fmt::format("{}: not all fields are written: {}", request.fields.string(), measured.why_not_drawn));
     if (!request.witness.empty() && no_answer(measured).empty()) {
-        const Witness& witness = measured.result.witness;
+        const Witness& witness = measured.answer.result.witness;
         measured.no_witness = !witness.source_point.allFinite() || !witness.target_point.allFinite();
         if (measured.no_witness)
             measured.warnings.push_back(
@@ -388,12 +384,12 @@ std::vector<Statistic> asked_statistics(const MeasureRequest& request, CountedBy
 }
 
 bool proves_less(const Measured& measured) {
-    return measured.proven && !proves_the_bound(*measured.proven, measured.result.bounds.upper, measured.extent);
+    return measured.proven && !proves_the_bound(*measured.proven, measured.answer.result.bounds.upper, measured.extent);
 }
 
 std::string no_answer(const Measured& measured) {
     if (measured.failed) return measured.failed->reason;
-    const Result& result = measured.result;
+    const Result& result = measured.answer.result;
     if (!may_bound_a_distance(result.bounds))
         return fmt::format("its bounds [{:g}, {:g}] are not an interval of distances", result.bounds.lower,
                            result.bounds.upper);
@@ -406,7 +402,7 @@ int exit_code(const Measured& measured, const MeasureRequest& request) {
                        measured.why_not_drawn.empty() && !measured.no_witness;
     if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
     if (!no_answer(measured).empty()) return 3;
-    const Status status = measured.result.status;
+    const Status status = measured.answer.result.status;
     return status == Status::below_floor ? 0 : status == Status::above_cutoff ? 1 : 3;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "datasets/load.h"
+#include "harness/ask/ask.h"
+#include "harness/ask/no_answer.h"
 #include "harness/commands/named_shape.h"
 #include "harness/record/row.h"
 
@@ -76,13 +78,6 @@ struct DrawnFile {
     bool resolved = true;  // false: the requested resolution needs more pieces than were written
 };
 
-// The reason for a missing answer: the solving process was killed or ended too early. `status` is as in a row
-// (record/outcome.h).
-struct NoAnswer {
-    RowStatus status = RowStatus::failed;
-    std::string reason;
-};
-
 struct Measured {
     std::string solver;
     bool certified = false;  // the bounds hold under rounding, with the options given
@@ -93,12 +88,7 @@ struct Measured {
     double unit = 1;                    // the length of which the tolerance is a fraction
     std::optional<double> cutoff = {};  // as a length
     double extent = 0;                  // the diagonal of the box of both shapes
-    Result result;
-    // With --symmetric: the answers for h(A,B) and h(B,A). In both, as in `result`, the source point of the witness is
-    // on A.
-    std::optional<Result> forward, backward;
-    double forward_seconds = 0, backward_seconds = 0;
-    double prepare_seconds = 0, solve_seconds = 0;
+    Answer answer;                      // with --symmetric, also those for h(A,B) and h(B,A)
     std::int64_t peak_bytes = -1;
     std::optional<NoAnswer> failed;
     // The upper bound that the written certificate proves; empty if none was written.
@@ -115,7 +105,7 @@ struct Measured {
 
 // Loads the files, then solves in a separate process. If a solver crashes, hangs, ends the process or throws, measure()
 // still returns, with `failed` set. Preparing, solving, and writing or checking each requested file may each take the
-// time limit plus grace_of(); then the process is killed. Throws InputError if the files, the solver, its parameters or
+// time limit plus grace_of() (process/listener.h); then the process is killed. Throws InputError if the files, the solver, its parameters or
 // the tolerance are wrong.
 Measured measure(const MeasureRequest& request);
 
@@ -126,9 +116,6 @@ bool proves_less(const Measured& measured);
 // Returns the statistics that `request` asks for of shapes that are counted so. With `symmetric`, first all over A, then all
 // over B, and so on; `pooled` only if both shapes are counted by the same.
 std::vector<Statistic> asked_statistics(const MeasureRequest& request, CountedBy source, CountedBy target);
-
-// Returns by how many seconds the solving process may exceed its time limit before it is killed.
-double grace_of(double time_limit);
 
 // Returns the reason for a missing answer: the solver failed, its bounds are impossible, or it stalled with the bounds
 // [0, infinity]. Returns an empty string if there is an answer.

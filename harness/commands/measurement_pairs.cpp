@@ -76,15 +76,16 @@ std::pair<std::string, std::string> two_of(const std::string& line) {
 // Returns the CSV fields for the witness and for the bounds of both directions. Unknown values are empty.
 std::string more_fields(const Measured& m, bool known) {
     std::vector<std::string> fields;
-    const Witness& witness = m.result.witness;
-    const bool shown = known && m.result.witness.source_point.allFinite() && m.result.witness.target_point.allFinite();
+    const Witness& witness = m.answer.result.witness;
+    const bool shown =
+        known && m.answer.result.witness.source_point.allFinite() && m.answer.result.witness.target_point.allFinite();
     fields.emplace_back(known ? to_string(witness.direction) : "");
     for (const Vec3* point : {&witness.source_point, &witness.target_point})
         for (const double x : *point) fields.push_back(shown ? number_field(x) : "");
-    for (const auto* one : {&m.forward, &m.backward})
+    for (const auto* one : {&m.answer.forward, &m.answer.backward})
         for (const double bound : {(*one ? **one : Result{}).bounds.lower, (*one ? **one : Result{}).bounds.upper})
             fields.push_back(*one ? number_field(bound) : "");
-    fields.push_back(known ? number_field(m.result.bounds.gap()) : "");
+    fields.push_back(known ? number_field(m.answer.result.bounds.gap()) : "");
     fields.push_back(m.tolerance_of == "lower" ? "" : number_field(m.tolerance_absolute));
     fields.emplace_back(m.certified ? "yes" : "no");
     fields.push_back(csv_field(fmt::format("{}", fmt::join(m.notes, "; "))));
@@ -206,13 +207,14 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
             const bool known = why.empty();
             const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
             line += fmt::format(
-                "{},{},{},{},{:.6f},{},{},{},{}{}\n", known ? number_field(measured.result.bounds.lower) : "",
-                known ? number_field(measured.result.bounds.upper) : "",
-                measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status), above,
-                measured.prepare_seconds + measured.solve_seconds, measured.solver,
+                "{},{},{},{},{:.6f},{},{},{},{}{}\n", known ? number_field(measured.answer.result.bounds.lower) : "",
+                known ? number_field(measured.answer.result.bounds.upper) : "",
+                measured.failed ? to_string(row_status(measured.failed->why))
+                                : to_string(measured.answer.result.status),
+                above, measured.answer.prepare_seconds + measured.answer.solve_seconds, measured.solver,
                 csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why),
                 more_fields(measured, known),
-                statistics_fields(one, known ? measured.result.statistics : std::vector<Bounds>()));
+                statistics_fields(one, known ? measured.answer.result.statistics : std::vector<Bounds>()));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;

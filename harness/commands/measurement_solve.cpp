@@ -1,242 +1,231 @@
 #include "harness/commands/measurement_solve.h"
 
 #include "algorithms/error.h"
-#include "algorithms/session/adapter.h"
 #include "algorithms/session/session.h"
 #include "datasets/shape_file.h"
-#include "harness/ask/both_ways.h"
+#include "harness/ask/in_child.h"
+#include "harness/ask/json_values.h"
 #include "harness/check/certificate_file.h"
+#include "harness/commands/row_texts.h"
 #include "harness/result/field_file.h"
-#include "process/memory.h"
+#include "process/progress_line.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
+#include <memory>
+#include <utility>
 
 namespace hausbench {
 
+using nlohmann::json;
+
 namespace {
 
+Query query_of(const MeasureRequest& request, const Tolerance& tolerance, const Measured& measured) {
+    Query query;
+    query.quantity = request.quantity();
+    query.statistics = asked_statistics(request, measured.source.counted_by, measured.target.counted_by);
+    query.weigh = request.weigh;
+    query.share_tolerance = request.share_tolerance;
+    query.tolerance = tolerance;
+    query.threads = request.threads;
+    query.time_limit = request.time_limit;
+    query.budget = request.budget;
+    if (measured.cutoff) query.floor = query.cutoff = *measured.cutoff;
+    return query;
+}
+
+json json_of(const DrawnFile& one) {
+    return {{"file", one.file.string()},      {"bounds", {number(one.bounds.lower), number(one.bounds.upper)}},
+            {"largest", number(one.largest)}, {"vertices", one.vertices},
+            {"pieces", one.pieces},           {"resolved", one.resolved}};
+}
+
+DrawnFile drawn_of(const json& j) {
+    return {j.at("file").get<std::string>(),
+            {number(j.at("bounds").at(0)), number(j.at("bounds").at(1))},
+            number(j.at("largest")),
+            j.at("vertices"),
+            j.at("pieces"),
+            j.at("resolved")};
+}
+
+// What the process that solves has: the sessions, and the files that it writes.
 class Solving {
 public:
-    Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured, const MeasureSteps& steps)
-        : work_(work), shapes_(std::move(shapes)), measured_(measured), steps_(steps) {
-        const MeasureRequest& request = work.request;
-        // A symmetric query is answered by two directed ones.
-        query_.quantity = request.asks_for_h() ? Quantity::directed : request.quantity();
-        query_.statistics = asked_statistics(request, measured.source.counted_by, measured.target.counted_by);
-        query_.weigh = request.weigh;
-        query_.share_tolerance = request.share_tolerance;
-        query_.tolerance = work.tolerance;
-        query_.threads = request.threads;
-        query_.time_limit = request.time_limit;
-        query_.budget = request.budget;
-        if (measured.cutoff) query_.floor = query_.cutoff = *measured.cutoff;
-        forward_.emplace(session(shapes_.source, shapes_.target, false));
-        if (!request.asks_for_h()) return;
-        if (relative()) both_.emplace(session(shapes_.source, shapes_.target, true));
-        backward_.emplace(session(shapes_.target, shapes_.source, false));
+    Solving(const MeasureRequest& request, const SolverEntry& entry, const Query& query, PreparedPair shapes)
+        : request_(request), entry_(entry), query_(query), shapes_(std::move(shapes)) {
+        const bool h = request.asks_for_h();
+        forward_ = session(shapes_.source, shapes_.target, false);
+        if (h && relative()) both_ = session(shapes_.source, shapes_.target, true);
+        if (h) backward_ = session(shapes_.target, shapes_.source, false);
     }
 
-    // Returns the total preparation time. Structures shared between sessions count once.
-    double prepare_seconds() const {
-        double sum = 0;
-        for (const auto* one : {&forward_, &both_, &backward_}) {
-            if (!*one) continue;
-            for (const PreparationTime& time : (*one)->preparation())
-                if (!time.shared) sum += time.seconds;
-        }
-        return sum;
+    Opened open(const Query& query, bool backward) const {
+        return {query.quantity == Quantity::symmetric ? both_ : backward ? backward_ : forward_};
     }
 
-    void solve() {
-        clock_ = {};
-        if (!work_.request.asks_for_h()) {
-            measured_.result = ask(*forward_, query_, measured_.forward_seconds,
-                                   [&](const Result& so_far) { measured_.result = so_far; });
-        } else if (relative()) {
-            solve_relative();
-        } else {
-            solve_both();
-        }
-        measured_.solve_seconds = clock_.elapsed();
+    // Writes A with its distances to B or, if `backward`, B with its distances to A. The witness becomes a vertex.
+    DrawnFile write_fields(const Answer& answer, bool backward) const {
+        const PreparedShape &from = backward ? *shapes_.target : *shapes_.source,
+                            &to = backward ? *shapes_.source : *shapes_.target;
+        const Result its = of_direction(answer, backward);
+        const Witness& w = its.witness;
+        const Drawing drawing{request_.resolution, its.bounds.lower, backward ? w.target_point : w.source_point,
+                              backward ? w.target_element : w.source_element};
+        const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
+        const Fields own = own_fields(backward ? *backward_ : *forward_, answer);
+        const auto file = backward ? file_of_way_back(request_.fields) : request_.fields;
+        export_fields(file, drawn, own);
+        return {file,
+                its.bounds,
+                drawn.largest(),
+                std::int64_t(drawn.vertices.rows()),
+                std::int64_t(drawn.pieces.rows()),
+                drawn.resolved};
     }
 
-    void write_fields(const std::function<void()>& drawn) {
-        const auto& file = work_.request.fields;
-        const bool alone = !work_.request.asks_for_h();
-        const Result there = alone ? measured_.result : of_direction(measured_.forward);
-        write_fields(*forward_, *shapes_.source, *shapes_.target, there, there.witness.source_point,
-                     there.witness.source_element, file);
-        drawn();
-        if (!work_.request.asks_for_h()) return;
-        const Result back = of_direction(measured_.backward);
-        write_fields(*backward_, *shapes_.target, *shapes_.source, back, back.witness.target_point,
-                     back.witness.target_element, file_of_way_back(file));
-        drawn();
-    }
-
-    // Solves once more, writes a certificate with the bounds of the new answer, and checks it.
-    void write_certificate(const std::function<void()>& written) {
+    // Solves once more, and writes a certificate with the bounds of the new answer.
+    json write_certificate(const std::string& tolerance_of) {
         Query query = query_;
         query.wanted.certificate = true;
-        clock_ = {};
-        double ignored = 0;
-        Result result;
-        if (!work_.request.asks_for_h()) {
-            result = ask(*forward_, query, ignored);
-        } else if (relative()) {
-            query.quantity = Quantity::symmetric;
-            result = ask(*both_, query, ignored);
-        } else {
-            const Result forward = ask(*forward_, query, ignored);
-            result = larger_of(query, forward, turned(ask(*backward_, query, ignored)));
-        }
-        if (result.certificates.empty()) {
-            measured_.why_not_proven = result.why_no_certificate;
-            return;
-        }
-        const MeasureRequest& request = work_.request;
-        const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
-        CertificateFile content{{request.source.string(), content_hash(source), {}},
-                                {request.target.string(), content_hash(target), {}},
-                                request.symmetric ? Quantity::symmetric : Quantity::directed,
-                                work_.entry.info.name,
-                                request.tolerance,
-                                measured_.tolerance_of,
-                                result.bounds,
-                                result.witness,
-                                std::move(result.certificates)};
-        state_what_is_proven(content, source, target);
-        hausbench::write_certificate(request.certificate, content);
+        Result result = ask(
+                            query, [this](const Query& one, bool back) { return open(one, back); }, Directions::unknown)
+                            .result;
+        if (result.certificates.empty()) return {{"why", one_line(result.why_no_certificate)}};
+        CertificateFile content;
+        content.source.file = request_.source.string();
+        content.target.file = request_.target.string();
+        content.quantity = query.quantity;
+        content.solver = entry_.info.name;
+        content.tolerance = request_.tolerance;
+        content.tolerance_of = tolerance_of;
+        take_answer(content, std::move(result), as_loaded(*shapes_.source), as_loaded(*shapes_.target));
+        hausbench::write_certificate(request_.certificate, content);
         double proven = 0;
         for (const Certificate& one : content.certificates) proven = std::max(proven, one.proven);
-        measured_.proven = proven;
-        written();
-        const CertificateVerdict verdict = verify_certificate(content, source, target);
-        if (!verdict.accepted) measured_.doubt = "its own check refuses this proof: " + verdict.refusal;
+        written_ = std::move(content);
+        return {{"proven", number(proven)}};
+    }
+
+    // Returns why the written certificate may prove nothing; empty if its check passes, or if there is none.
+    std::string doubt() const {
+        if (!written_) return "";
+        const CertificateVerdict verdict =
+            verify_certificate(*written_, as_loaded(*shapes_.source), as_loaded(*shapes_.target));
+        return verdict.accepted ? "" : one_line("its own check refuses this proof: " + verdict.refusal);
     }
 
 private:
-    // Returns the answer for a direction. If it was not solved separately, returns the bounds that follow from H: 0 and
-    // the upper bound of H.
-    Result of_direction(const std::optional<Result>& answer) const {
-        Result result;
-        result.bounds.upper = measured_.result.bounds.upper;
-        return answer.value_or(result);
-    }
-
-    // Writes the shape `from` with its distances to `to`. `witness` is the point of `from` farthest from `to`, if
-    // known, and becomes a vertex.
-    void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
-                      const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
-        const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
-        const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
-        Fields own;
-        // Solves again for the solver's own fields, so that the measured time is the time for the bounds alone.
-        if (work_.entry.info.can(Ability::fields)) {
-            Query query = query_;
-            query.wanted.fields = true;
-            const double gap = query.tolerance.gap(measured_.result.bounds.lower);
-            if (relative() && gap > 0) query.tolerance = {Tolerance::Of::absolute, gap};
-            Trace untraced;
-            if (auto fields = session.solve(query, untraced).fields) own = std::move(*fields);
-        }
-        export_fields(file, drawn, own);
-        measured_.drawn.push_back({file, answer.bounds, drawn.largest(), std::int64_t(drawn.vertices.rows()),
-                                   std::int64_t(drawn.pieces.rows()), drawn.resolved});
-    }
-
     bool relative() const { return query_.tolerance.of == Tolerance::Of::lower; }
 
-    Session session(const std::shared_ptr<PreparedShape>& a, const std::shared_ptr<PreparedShape>& b,
-                    bool symmetric) const {
+    std::shared_ptr<const Session> session(const std::shared_ptr<PreparedShape>& a,
+                                           const std::shared_ptr<PreparedShape>& b, bool symmetric) const {
         QuerySet queries;
         queries.finest_tolerance = relative() ? 0 : query_.tolerance.value;
         queries.symmetric = symmetric;
         queries.threads = query_.threads;
         queries.both_ways = std::any_of(query_.statistics.begin(), query_.statistics.end(), needs_target);
-        const SolverInfo& info = work_.entry.info;
-        return {work_.entry, Options(info.name, info.parameters, work_.request.options), PreparedPair{a, b}, queries};
+        const SolverInfo& info = entry_.info;
+        return std::make_shared<const Session>(entry_, Options(info.name, info.parameters, request_.options),
+                                               PreparedPair{a, b}, queries);
     }
 
-    // `keep` stores an answer so far in `measured_`.
-    Result ask(const Session& session, Query query, double& seconds,
-               const std::function<void(const Result&)>& keep = nullptr) const {
-        const WallClock clock;
-        query.time_limit = clock_.left(query.time_limit);
-        Trace trace;
-        if (keep) {
-            trace.watch([&](Result& so_far) {
-                keep(so_far);
-                seconds = clock.elapsed();
-                measured_.solve_seconds = clock_.elapsed();
-                steps_.closer();
-            });
-        }
-        Result result = session.solve(query, trace);
-        result.note = one_line(result.note);
-        seconds = clock.elapsed();
-        return result;
+    // Returns the answer for a direction. If it was not solved separately, returns the bounds that follow from H: 0 and
+    // the upper bound of H.
+    Result of_direction(const Answer& answer, bool backward) const {
+        if (!request_.asks_for_h()) return answer.result;
+        Result result;
+        result.bounds.upper = answer.result.bounds.upper;
+        return (backward ? answer.backward : answer.forward).value_or(result);
     }
 
-    // Solves each direction to the full tolerance, because both are printed. (For H alone, the second direction could
-    // stop once it is known to be below the first.)
-    void solve_both() {
-        const auto keep = [&](const BothWays& so_far) {
-            measured_.result = so_far.whole;
-            measured_.forward = so_far.forward;
-            measured_.backward = so_far.backward;
-        };
-        const auto ask_one = [&](bool backward, const std::function<void(const Result&)>& closer) {
-            return ask(backward ? *backward_ : *forward_, query_,
-                       backward ? measured_.backward_seconds : measured_.forward_seconds, closer);
-        };
-        keep(ask_both_ways(query_, ask_one, keep));
-    }
-
-    // Solves with a tolerance that is a fraction of the lower bound. A direction with distance 0 has the lower bound 0,
-    // so its allowed gap would be 0. So H is solved first, and the gap allowed for H becomes the absolute tolerance of
-    // both directions.
-    void solve_relative() {
-        Query whole = query_;
-        whole.quantity = Quantity::symmetric;
-        double ignored = 0;
-        measured_.result = ask(*both_, whole, ignored, [&](const Result& so_far) { measured_.result = so_far; });
-        const double gap = query_.tolerance.gap(measured_.result.bounds.lower);
-        if (!(gap > 0) || measured_.result.status != Status::converged) return;
+    // Solves again for the solver's own fields, so that the measured time is the time for the bounds alone.
+    Fields own_fields(const Session& session, const Answer& answer) const {
+        if (!entry_.info.can(Ability::fields)) return {};
         Query query = query_;
-        query.tolerance = {Tolerance::Of::absolute, gap};
-        measured_.forward = ask(*forward_, query, measured_.forward_seconds);
-        measured_.backward = turned(ask(*backward_, query, measured_.backward_seconds));
+        if (request_.asks_for_h()) query.quantity = Quantity::directed;
+        query.wanted.fields = true;
+        const double gap = query.tolerance.gap(answer.result.bounds.lower);
+        if (relative() && gap > 0) query.tolerance = {Tolerance::Of::absolute, gap};
+        Trace untraced;
+        return session.solve(query, untraced).fields.value_or(Fields());
     }
 
-    const MeasureWork& work_;
+    const MeasureRequest& request_;
+    const SolverEntry& entry_;
+    const Query& query_;
     PreparedPair shapes_;
-    Measured& measured_;
-    const MeasureSteps& steps_;
-    Query query_;
-    WallClock clock_;                                   // since the questions began, which share the time limit
-    std::optional<Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
+    std::shared_ptr<const Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
+    std::optional<CertificateFile> written_;
 };
+
+// Returns a line about what the solving process does.
+std::string doing_text(const char* doing, const Answer* so_far, const MeasureRequest& request) {
+    if (!so_far) return doing;
+    const Bounds& bounds = so_far->result.bounds;
+    const std::string name =
+        request.statistics.empty() ? std::string(symbol(request.quantity())) : to_string(request.statistics.front());
+    return fmt::format("{}, {} in [{}, {}] so far", doing, name, bound_text(bounds.lower, true),
+                       bound_text(bounds.upper, false));
+}
 
 }  // namespace
 
-void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Measured& measured,
-                       const MeasureSteps& steps) {
-    PeakMemory memory;
-    Solving solving(work, prepare_pair(work.entry.info, std::move(source), std::move(target)), measured, steps);
-    memory.prepared();
-    measured.prepare_seconds = solving.prepare_seconds();
-    steps.prepared();
-    memory.next_answer();
-    solving.solve();
-    measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
-    steps.answered();
-    if (!work.request.fields.empty()) solving.write_fields(steps.drawn);
-    if (!work.request.certificate.empty()) solving.write_certificate(steps.proved);
+void solve(const MeasureRequest& request, const SolverEntry& entry, const Tolerance& tolerance, Shape source,
+           Shape target, Measured& measured) {
+    std::unique_ptr<Solving> solving;  // exists only in the process that solves
+    Question question;
+    question.query = query_of(request, tolerance, measured);
+    question.directions = Directions::known;
+    question.prepare = [&]() -> OpenSession {
+        solving = std::make_unique<Solving>(request, entry, question.query,
+                                            prepare_pair(entry.info, std::move(source), std::move(target)));
+        return [&](const Query& query, bool backward) { return solving->open(query, backward); };
+    };
+    std::size_t to_draw = 0;
+    if (!request.fields.empty()) to_draw = request.asks_for_h() ? 2 : 1;
+    for (std::size_t i = 0; i < to_draw; ++i)
+        question.steps.push_back(
+            {"its fields were not written",
+             [&, i](const Answer& answer) { return json_of(solving->write_fields(answer, i == 1)); },
+             [&](const json& report) { measured.drawn.push_back(drawn_of(report)); }});
+    if (!request.certificate.empty()) {
+        question.steps.push_back({"its certificate was not written",
+                                  [&](const Answer&) { return solving->write_certificate(measured.tolerance_of); },
+                                  [&](const json& report) {
+                                      if (report.contains("why"))
+                                          measured.why_not_proven = report.at("why");
+                                      else
+                                          measured.proven = number(report.at("proven"));
+                                  }});
+        question.steps.push_back({"its certificate was not checked",
+                                  [&](const Answer&) { return json(solving->doubt()); },
+                                  [&](const json& report) { measured.doubt = report; }});
+    }
+    Answered all;
+    if (request.in_process) {
+        all = ask_here(question);
+    } else {
+        ProgressLine progress;
+        AskLimits limits;
+        limits.seconds = request.time_limit;
+        limits.waiting = [&](const char* doing, const Answer* so_far) {
+            progress.draw(doing_text(doing, so_far, request));
+        };
+        all = ask_in_child(question, limits);
+    }
+    measured.answer = std::move(all.answer);
+    measured.peak_bytes = all.peak_bytes;
+    measured.failed = std::move(all.no_answer);
+    if (all.why_not_all.empty()) return;
+    if (all.steps < to_draw)
+        measured.why_not_drawn = all.why_not_all;
+    else if (all.steps == to_draw)
+        measured.why_not_proven = all.why_not_all;
+    else if (measured.proven)
+        measured.doubt = "it was not checked: " + all.why_not_all;
 }
 
 }  // namespace hausbench

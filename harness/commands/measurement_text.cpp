@@ -91,9 +91,9 @@ json directions_json(const Measured& m, const MeasureRequest& request) {
         all.push_back(std::move(one));
     };
     if (m.failed) return all;
-    if (request.quantity() == Quantity::directed) add("source to target", m.result, m.solve_seconds);
-    if (m.forward) add("source to target", *m.forward, m.forward_seconds);
-    if (m.backward) add("target to source", *m.backward, m.backward_seconds);
+    if (request.quantity() == Quantity::directed) add("source to target", m.answer.result, m.answer.solve_seconds);
+    if (m.answer.forward) add("source to target", *m.answer.forward, m.answer.forward_seconds);
+    if (m.answer.backward) add("target to source", *m.answer.backward, m.answer.backward_seconds);
     return all;
 }
 
@@ -169,17 +169,17 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
     const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
     std::string text;
     std::optional<Statistic::Over> block;
-    for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(asked.size(), m.answer.result.statistics.size()); ++i) {
         Statistic one = asked[i];
         if (block != one.over && request.symmetric)
             text += fmt::format("{:<10} {}\n", block ? "" : "statistics", titles[std::size_t(one.over)]);
         block = one.over;
         one.over = Statistic::Over::source;
-        const Bounds& bounds = m.result.statistics[i];
+        const Bounds& bounds = m.answer.result.statistics[i];
         text += fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
                             to_string(one), bound_text(bounds.lower, true, 10), bound_text(bounds.upper, false, 10));
     }
-    const Result& r = m.result;
+    const Result& r = m.answer.result;
     const std::string end = r.status == Status::converged
                                 ? std::string("all within the tolerance")
                                 : fmt::format("not all within the tolerance: {}", to_string(r.status));
@@ -191,7 +191,7 @@ json statistics_json(const Measured& m, const MeasureRequest& request) {
     if (request.statistics.empty()) return {};
     json all = json::object();
     const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
-    for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(asked.size(), m.answer.result.statistics.size()); ++i) {
         const Statistic& one = asked[i];
         json& place = one.over == Statistic::Over::source ? all : all[std::string(to_string(one.over))];
         const std::string argument = fmt::format("{}", one.argument);
@@ -200,7 +200,8 @@ json statistics_json(const Measured& m, const MeasureRequest& request) {
         json& value = one.kind == Statistic::Kind::quantile       ? place["quantiles"][argument]
                       : one.kind == Statistic::Kind::share_within ? place["share_within"][argument]
                                                                   : place[to_string(plain)];
-        value = {{"lower", number(m.result.statistics[i].lower)}, {"upper", number(m.result.statistics[i].upper)}};
+        value = {{"lower", number(m.answer.result.statistics[i].lower)},
+                 {"upper", number(m.answer.result.statistics[i].upper)}};
     }
     return all;
 }
@@ -226,21 +227,22 @@ std::string distance_text(const Measured& m, const MeasureRequest& request) {
     if (m.cutoff) {
         constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
         const int code = exit_code(m, request);
-        const bool tie = code == 3 && m.result.status == Status::precision_floor;
+        const bool tie = code == 3 && m.answer.result.status == Status::precision_floor;
         text += fmt::format("answer     {} {} {}{}\n", name, answers[code], *m.cutoff,
                             tie ? ": they are equal up to rounding" : "");
     }
     if (request.symmetric) {
-        for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
+        for (const auto& [direction, one] :
+             {std::pair{"h(A,B)", &m.answer.forward}, std::pair{"h(B,A)", &m.answer.backward}}) {
             if (*one) text += answer_text(direction, **one, m.source.diagonal) + witness_text(**one, m);
         }
-        text += answer_text(name, m.result, m.source.diagonal);
-        if (m.forward && m.backward)
+        text += answer_text(name, m.answer.result, m.source.diagonal);
+        if (m.answer.forward && m.answer.backward)
             text += "           the larger of the two\n";
         else
-            text += witness_text(m.result, m);
+            text += witness_text(m.answer.result, m);
     } else {
-        text += answer_text(name, m.result, m.source.diagonal) + witness_text(m.result, m);
+        text += answer_text(name, m.answer.result, m.source.diagonal) + witness_text(m.answer.result, m);
     }
     return text;
 }
@@ -248,11 +250,11 @@ std::string distance_text(const Measured& m, const MeasureRequest& request) {
 }  // namespace
 
 json to_json(const Measured& m, const MeasureRequest& request) {
-    json out = answer_json(m.result, m);
+    json out = answer_json(m.answer.result, m);
     if (!request.statistics.empty() && is_share(request.statistics.front()))
         out["lower_of_diagonal"] = out["upper_of_diagonal"] = json();  // a share is not a length
     if (m.failed) {
-        out["status"] = to_string(m.failed->status);
+        out["status"] = to_string(row_status(m.failed->why));
         out["note"] = m.failed->reason;
     }
     const bool asked = m.cutoff.has_value();
@@ -275,8 +277,8 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"distribution", statistics_json(m, request)},
                 {"warnings", m.warnings},
                 {"notes", m.notes},
-                {"prepare_seconds", m.prepare_seconds},
-                {"solve_seconds", m.solve_seconds},
+                {"prepare_seconds", m.answer.prepare_seconds},
+                {"solve_seconds", m.answer.solve_seconds},
                 {"peak_bytes", m.peak_bytes}});
     return out;
 }
@@ -298,8 +300,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         text += drawn_text(m.drawn[i], i == 0 ? "h(A,B)" : "h(B,A)", request.resolution);
     for (const std::string& note : m.notes) text += fmt::format("note       {}\n", note);
     for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
-    return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
-                              m.solve_seconds,
+    return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.answer.prepare_seconds,
+                              m.answer.solve_seconds,
                               m.peak_bytes < 0 ? "unknown" : fmt::format("{:.1f} MB", double(m.peak_bytes) / 1e6));
 }
 

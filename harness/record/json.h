@@ -1,7 +1,7 @@
 // Converts rows and their parts to and from JSON, for journals and for pipes between processes.
 #pragma once
 
-#include "harness/record/json_values.h"
+#include "harness/ask/json_values.h"
 #include "harness/record/row.h"
 
 #include <nlohmann/json.hpp>

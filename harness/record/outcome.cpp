@@ -25,6 +25,21 @@ RowStatus row_status(Status status) {
     throw std::logic_error("row_status: not a status");
 }
 
+RowStatus row_status(NoAnswer::Why why) {
+    switch (why) {
+        case NoAnswer::Why::refused:
+        case NoAnswer::Why::failed:
+            return RowStatus::failed;
+        case NoAnswer::Why::out_of_memory:
+            return RowStatus::out_of_memory;
+        case NoAnswer::Why::timeout:
+            return RowStatus::timeout;
+        case NoAnswer::Why::signal:
+            return RowStatus::signal;
+    }
+    throw std::logic_error("row_status: not a reason");
+}
+
 bool is_timed(RowStatus status) {
     return status == RowStatus::ok || status == RowStatus::floor || status == RowStatus::budget;
 }

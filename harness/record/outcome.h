@@ -2,6 +2,7 @@
 // result file keeps, with times, memory and how the process ended.
 #pragma once
 
+#include "harness/ask/no_answer.h"
 #include "harness/record/case.h"
 
 #include <cstdint>
@@ -24,6 +25,9 @@ template <> inline constexpr int count_of<RowStatus> = 10;
 
 // Converts a solver's status to the status of a row: converged, below_floor and above_cutoff become `ok`.
 RowStatus row_status(Status status);
+
+// Converts the reason for a missing answer to the status of a row.
+RowStatus row_status(NoAnswer::Why why);
 
 // Returns whether the solver ended by itself (ok, floor or budget), so that running it again would end in the same way.
 // Only such answers are timed, and only they may have fields.
@@ -58,7 +62,7 @@ struct Outcome {
     RowStatus status = RowStatus::skipped;
     std::string reason;
     std::string solver_status;
-    double cutoff_used = std::numeric_limits<double>::infinity();  // see WorkOrder::Item::narrow()
+    double cutoff_used = std::numeric_limits<double>::infinity();  // see run/work_order.h
     Bounds bounds{unknown, unknown};
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;

@@ -278,15 +278,14 @@ private:
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace &&
                                 (asked.warm || !marks.empty() || find_solver(asked.solver).info.can(Ability::traces));
-            order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
-                                   asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
-                                   traced, marks, round == 0 ? finished_.fields_file(row) : std::filesystem::path(),
-                                   round == 0 && plan_.experiment.stages, proofs_ == Proofs::wanted});
+            order.items.push_back({row, pair, chain, asked.warm, query_of(asked), traced, marks,
+                                   round == 0 ? finished_.fields_file(row) : std::filesystem::path(),
+                                   round == 0 && plan_.experiment.stages});
             WorkOrder::Item& item = order.items.back();
-            item.take_statistic(asked);
+            item.query.wanted.certificate = proofs_ == Proofs::wanted;
             if (!searches(job)) continue;
             if (round > 0) {
-                item.cutoff = finished_.kept(row, 0)->cutoff_used;
+                item.query.cutoff = finished_.kept(row, 0)->cutoff_used;
                 continue;
             }
             if (asked.chain.empty() || search == 0) ++search;

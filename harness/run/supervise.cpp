@@ -3,24 +3,19 @@
 #include "datasets/paths.h"
 #include "harness/record/json.h"
 #include "harness/run/worker_main.h"
+#include "process/listener.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 namespace hausbench {
 
 using nlohmann::json;
-using std::chrono::steady_clock;
 
 namespace {
-
-// Returns how many seconds a solver with this time limit may take before it is killed. The extra time lets a solver
-// that stops a little late still return its bounds.
-double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
-
-constexpr std::chrono::milliseconds turn(20);  // how long to wait for an event before checking limits and interrupts
 
 struct NotAnEvent {};
 
@@ -41,71 +36,48 @@ public:
         : order_(order),
           report_(report),
           worker_(worker),
+          listener_(worker, order.limits.memory_bytes, report.interrupted),
           chain_end_(order.chain_end(0)),
           new_shapes_(order.new_shapes()) {
-        allow(seconds_to_prepare());
+        listener_.allow(seconds_to_prepare());
     }
 
     // Processes events until the order is carried out. Returns whether the worker can take another order.
     bool run() {
+        const Limits& limits = order_.limits;
         std::string line;
         for (;;) {
-            if (report_.interrupted()) return false;  // the case in flight is run again on resume
-            if (kill_if_too_large()) return false;
-            switch (worker_.listen(turn, line)) {
-                case Child::Heard::nothing:
-                    if (kill_if_late()) return false;
-                    break;
-                case Child::Heard::closed: {
-                    const std::string how = worker_.how_it_ended();
-                    if (report_.interrupted()) return false;  // the same signal may have ended both
-                    fail(worker_.signal() ? RowStatus::signal : RowStatus::failed, "ended by " + how);
-                    return false;
-                }
-                case Child::Heard::line:
+            switch (listener_.hear(line)) {
+                case Listener::Heard::event:
                     if (line == order_done) {
                         if (finished_ == order_.items.size()) return true;
-                        fail(RowStatus::failed, "the worker ended early");
-                        return false;
+                        return fail(RowStatus::failed, "the worker ended early");
                     }
-                    if (!hear(line)) {
-                        fail(RowStatus::failed, "the worker wrote something that is not an event");
-                        return false;
-                    }
+                    if (!hear(line)) return fail(RowStatus::failed, "the worker wrote something that is not an event");
+                    break;
+                case Listener::Heard::interrupted:
+                    return false;  // the case in flight is run again on resume
+                case Listener::Heard::too_large:
+                    return fail(RowStatus::out_of_memory,
+                                fmt::format("more than {} MB resident", limits.memory_bytes >> 20));
+                case Listener::Heard::late:
+                    return fail(RowStatus::timeout,
+                                prepared_
+                                    ? fmt::format("killed: no answer within {} s", limits.case_seconds)
+                                    : fmt::format("killed: not loaded and prepared within {} s", seconds_to_prepare()));
+                case Listener::Heard::silent:
+                    return fail(RowStatus::failed, "the worker closed its pipe");
+                case Listener::Heard::closed:
+                    if (report_.interrupted()) return false;  // the same signal may have ended both
+                    const std::string how = worker_.how_it_ended();
+                    return fail(worker_.signal() ? RowStatus::signal : RowStatus::failed, "ended by " + how);
             }
         }
     }
 
 private:
-    // Sets the deadline for the next event.
-    void allow(double seconds) {
-        deadline_ = steady_clock::now() +
-                    std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
-    }
-
-    // Kills the worker if it exceeds its memory limit. Returns whether it was killed. Checks at most once per `turn`,
-    // no matter how many events the worker sends.
-    bool kill_if_too_large() {
-        if (steady_clock::now() < next_look_) return false;
-        const std::int64_t limit = order_.limits.memory_bytes;
-        if (worker_.takes_more_than(limit)) {
-            fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
-            return true;
-        }
-        next_look_ = steady_clock::now() + turn;
-        return false;
-    }
-
-    // Kills the worker if its deadline has passed. Returns whether it was killed. Call this only if no event is
-    // waiting, because an event that was sent in time counts.
-    bool kill_if_late() {
-        if (steady_clock::now() <= deadline_) return false;
-        const Limits& limits = order_.limits;
-        fail(RowStatus::timeout,
-             prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                       : fmt::format("killed: not loaded and prepared within {} s", seconds_to_prepare()));
-        return true;
-    }
+    // Sets the time limit for the next event to so many seconds, and the grace.
+    void allow(double seconds) { listener_.allow(seconds + grace_of(seconds)); }
 
     // Processes an event. Returns false if the line is not an event or comes out of order. Nothing in the line is
     // trusted, because a faulty solver may have written it.
@@ -127,7 +99,7 @@ private:
             expect(!prepared_ && finished_ < order_.items.size());
             report_.prepared(event.at("left_out"));
             prepared_ = true;
-            allow(with_grace(seconds));
+            allow(seconds);
             return;
         }
         expect(prepared_ && finished_ < order_.items.size());
@@ -136,7 +108,13 @@ private:
         if (kind == "begin") {
             expect(!began_ && outcomes_.size() < length && row == order_.items[finished_ + outcomes_.size()].row);
             began_ = true;
-            allow(with_grace(seconds));
+            so_far_.reset();
+            allow(seconds);
+            return;
+        }
+        if (kind == "closer") {
+            expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
+            so_far_ = {number(event.at("bounds").at(0)), number(event.at("bounds").at(1))};
             return;
         }
         if (kind == "answer") {
@@ -151,7 +129,10 @@ private:
             expect(row == order_.items[finished_ + closed_].row);
             report_.finished(row, std::move(outcomes_[closed_]));
             if (++closed_ == length) next_chain();
-            allow(prepared_ ? with_grace(seconds) : seconds_to_prepare());
+            if (prepared_)
+                allow(seconds);
+            else
+                listener_.allow(seconds_to_prepare());
             return;
         }
         Outcome& outcome = outcomes_[place_of(row)];
@@ -180,11 +161,15 @@ private:
     }
 
     // Ends the worker if it still runs, and gives outcomes to the cases that it can no longer answer, by the rules of
-    // supervise().
-    void fail(RowStatus status, const std::string& reason) {
+    // supervise(). Returns false: the worker can take no other order.
+    bool fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.how_it_ended();
-        if (finished_ == order_.items.size()) return;  // every case is answered: how the worker ends does not matter
+        if (finished_ < order_.items.size()) give_up(status, reason);
+        return false;
+    }
+
+    void give_up(RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
         outcome.reason = reason;
@@ -202,7 +187,12 @@ private:
                 report_.finished(order_.items[finished_ + k].row, cut_short(outcomes_[k], outcome));
         } else {
             const std::size_t broken = finished_ + outcomes_.size();
-            report_.finished(order_.items[broken].row, outcome);
+            Outcome its = outcome;
+            if (began_ && so_far_) {
+                its.bounds = *so_far_;
+                its.reason += "; its last bounds before are kept";
+            }
+            report_.finished(order_.items[broken].row, its);
             outcome.status = RowStatus::failed;
             outcome.reason = "the chain of poses broke at an earlier pose: " + outcome.reason;
             for (std::size_t k = broken + 1; k < chain_end_; ++k) report_.finished(order_.items[k].row, outcome);
@@ -236,7 +226,7 @@ private:
 
     // Sets a deadline that lets the worker solve the whole chain once more without sending an event. It sends none for
     // poses that are not timed, such as poses that reached their time limit.
-    void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
+    void allow_a_pass() { allow(3 * order_.limits.case_seconds * double(chain_end_ - finished_)); }
 
     // Returns the time limit, in seconds, for loading and preparing a pair. For a matrix, the experiment's limit is
     // multiplied by the number of shapes that are not loaded yet, or by 1 if there are none.
@@ -268,11 +258,12 @@ private:
     const WorkOrder& order_;
     const Supervision& report_;
     Child& worker_;
-    steady_clock::time_point deadline_, next_look_ = steady_clock::now();
+    Listener listener_;
     bool prepared_ = false, began_ = false;
     std::size_t finished_ = 0,
                 chain_end_;          // the present chain: items [finished_, chain_end_) of the order
     std::vector<Outcome> outcomes_;  // answers so far to the cases of the chain
+    std::optional<Bounds> so_far_;   // of the case that has begun
     std::size_t closed_ = 0;         // how many cases of the chain have ended
     std::vector<int> new_shapes_;    // see WorkOrder
 };

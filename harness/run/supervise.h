@@ -27,7 +27,8 @@ struct Supervision {
 // it is empty again. The order must be for the same cores as earlier orders to the same process.
 //
 // The worker is killed if it exceeds its time or memory limit, or if it writes something that is not an event. If it is
-// killed or crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
+// killed or crashes, the case that it was answering gets an outcome with the reason, the end of the worker's output and
+// the last bounds that the worker had sent for it:
 // - If the worker was still loading and preparing a pair, all cases of the pair get this outcome.
 // - If the worker had answered the case and was timing repeats, the answer counts.
 // - If the case is a pose of a warm chain, later poses are `failed`, because they depend on it. Earlier poses get no

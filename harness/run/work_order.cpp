@@ -15,40 +15,36 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(QuerySet, moves, count, finest_tolerance, tar
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Tolerance, of, value)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Limits, case_seconds, prepare_seconds, memory_bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Pair, source_file, target_file, queries)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quantity, source_pose, target_pose,
-                                   tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, proof,
-                                   search, statistic, weigh, share_tolerance)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statistic, kind, argument, over)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Wanted, fields, stages, certificate)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Query, quantity, source_pose, target_pose, tolerance, floor, cutoff, time_limit,
+                                   budget, threads, wanted, statistics, weigh, share_tolerance)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, query, trace, marks, fields, stages, search)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
                                    build, items, plugins)
 
-void WorkOrder::Item::take_statistic(const Case& asked) {
-    statistic = asked.statistic;
-    weigh = asked.weigh;
-    share_tolerance = asked.tolerance;
-}
-
-Query WorkOrder::Item::query(double time_limit) const {
-    Query asked;
-    asked.quantity = quantity;
-    if (!statistic.empty()) asked.statistics = {statistic_of(statistic)};
-    asked.weigh = weigh;
-    asked.share_tolerance = share_tolerance;
-    asked.source_pose = source_pose;
-    asked.target_pose = target_pose;
-    asked.tolerance = tolerance;
-    asked.floor = floor;
-    asked.cutoff = cutoff;
-    if (budget >= 0) asked.budget = std::uint64_t(budget);
-    asked.threads = threads;
-    asked.time_limit = time_limit;
-    asked.wanted.certificate = proof;
-    return asked;
+Query query_of(const Case& asked) {
+    Query query;
+    query.quantity = asked.quantity;
+    if (!asked.statistic.empty()) query.statistics = {statistic_of(asked.statistic)};
+    query.weigh = asked.weigh;
+    query.share_tolerance = asked.tolerance;
+    query.source_pose = asked.pose;
+    query.target_pose = asked.target_pose;
+    query.tolerance = asked.resolved_tolerance();
+    query.floor = asked.floor;
+    query.cutoff = asked.cutoff;
+    if (asked.budget >= 0) query.budget = std::uint64_t(asked.budget);
+    query.threads = asked.threads;
+    query.time_limit = asked.limits.case_seconds;
+    return query;
 }
 
 void WorkOrder::Item::narrow(double least_upper) {
-    if (cutoff <= floor || !(least_upper < cutoff)) return;
+    double& cutoff = query.cutoff;
+    if (cutoff <= query.floor || !(least_upper < cutoff)) return;
     constexpr double least = 0x1p-500;  // a session scales the cutoff, which must stay above 0
-    cutoff = std::min(cutoff, std::max({least_upper, least, std::nextafter(floor, cutoff)}));
+    cutoff = std::min(cutoff, std::max({least_upper, least, std::nextafter(query.floor, cutoff)}));
 }
 
 std::size_t WorkOrder::chain_end(std::size_t first) const {

@@ -35,30 +35,14 @@ struct WorkOrder {
         std::size_t pair;   // index in `pairs`; items of one pair are adjacent
         std::size_t chain;  // number of its warm chain, whose items are adjacent; a cold case is a chain of its own
         bool warm;
-        Quantity quantity;
-        Pose source_pose, target_pose;
-        Tolerance tolerance;
-        double floor, cutoff;
-        std::int64_t budget;  // -1: none
-        int threads;
+        Query query;  // if it wants a certificate, that is checked
         bool trace;
         std::vector<double> marks;
         std::filesystem::path fields = {};  // file to write the fields to; empty: not requested
         bool stages = false;
-        bool proof = false;  // request a certificate of the answer and check it
         // Number of the search that the case belongs to; 0: none. A search compares one source with several targets;
         // its items are adjacent.
         std::size_t search = 0;
-        // For Quantity::distribution, see Case and Query.
-        std::string statistic = {};
-        WeighBy weigh = WeighBy::area;
-        double share_tolerance = 1e-3;
-
-        // Copies the last three members.
-        void take_statistic(const Case& asked);
-
-        // Returns the query to ask. `time_limit` is in seconds.
-        Query query(double time_limit) const;
 
         // Lowers the cutoff to `least_upper`, the smallest upper bound among the earlier answers in the search, because
         // a target that is farther away is not the nearest. The cutoff stays above the floor: if both were equal, the
@@ -75,6 +59,9 @@ struct WorkOrder {
     std::vector<int> new_shapes() const;
     std::map<std::filesystem::path, std::string> plugins = {};  // file -> SHA-256
 };
+
+// Returns the query of a case.
+Query query_of(const Case& asked);
 
 // Convert a work order to bytes and back. The format is CBOR, because JSON cannot hold infinities.
 std::string packed(const WorkOrder& order);

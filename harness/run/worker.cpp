@@ -1,5 +1,5 @@
 // The worker writes one event per line, such as {"event":"begin","row":3}. For each pair of shapes it sends "prepared"
-// and then, for each case, "begin", "answer", "repeat" for each timed repeat, and "end". If they are requested,
+// and then, for each case, "begin", "closer" for bounds on the way, "answer", "repeat" for each timed repeat, and "end". If they are requested,
 // "trace", "fields" and "proof" come before "end". For a warm chain, the worker first answers all poses. Then it solves
 // the whole chain again for each repeat, for the trace and for the fields. Finally, it sends "end" for every case.
 #include "harness/run/worker.h"
@@ -10,19 +10,18 @@
 #include "algorithms/session/session.h"
 #include "datasets/hash.h"
 #include "datasets/shape_file.h"
+#include "harness/ask/no_answer.h"
 #include "harness/check/certificate_file.h"
 #include "harness/check/verify_upper.h"
 #include "harness/record/json.h"
 #include "harness/result/field_file.h"
 #include "harness/run/timing.h"
+#include "process/listener.h"
 #include "process/memory.h"
 
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 
 namespace hausbench {
 
@@ -89,13 +88,7 @@ private:
     }
 
     void send(const json& event) {
-        const std::string line =
-            event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // text from a solver may not be UTF-8
-        for (std::size_t done = 0; done < line.size();) {
-            const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
-            if (n <= 0) std::exit(3);  // the runner is gone
-            done += std::size_t(n);
-        }
+        send_event(events_, event.dump(-1, ' ', false, json::error_handler_t::replace));  // text may not be UTF-8
     }
 
     // Loads the shapes of a pair if necessary, prepares the solver on them, and sends "prepared".
@@ -140,8 +133,6 @@ private:
         return known;
     }
 
-    Query query_of(const WorkOrder::Item& item) const { return item.query(order_.limits.case_seconds); }
-
     struct Answer {
         Result result;
         Spent spent;
@@ -152,22 +143,16 @@ private:
     std::optional<Answer> answer(const WorkOrder::Item& item, State* state) {
         send({{"event", "begin"}, {"row", item.row}});
         if (memory_) memory_->next_answer();
-        Trace untraced;
+        Trace trace;
+        trace.watch([&](const Result& so_far) {
+            const Bounds& bounds = so_far.bounds;
+            send({{"event", "closer"}, {"row", item.row}, {"bounds", {number(bounds.lower), number(bounds.upper)}}});
+        });
         const Stopwatch watch;
         Result result;
-        try {
-            result = session_->solve(query_of(item), state, untraced);
-        } catch (const std::bad_alloc&) {
-            broke_ = true;
-            return give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
-        } catch (const InputError& error) {  // the session refused the pose; the solver was not asked
-            return give_up(item, RowStatus::failed, error.what());
-        } catch (const std::exception& error) {
-            broke_ = true;
-            return give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
-        } catch (...) {
-            broke_ = true;
-            return give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
+        if (const auto none = attempt([&] { result = session_->solve(item.query, state, trace); })) {
+            if (none->why != NoAnswer::Why::refused) broke_ = true;  // else the session refused the pose
+            return give_up(item, row_status(none->why), none->reason);
         }
         const Spent spent = watch.spent();
         Outcome outcome;
@@ -175,7 +160,7 @@ private:
         outcome.solver_status = to_string(result.status);
         if (outcome.status != RowStatus::ok)
             outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
-        outcome.cutoff_used = item.cutoff;
+        outcome.cutoff_used = item.query.cutoff;
         outcome.bounds = result.bounds;
         least_upper_ = std::min(least_upper_, result.bounds.upper);
         outcome.witness = result.witness;
@@ -193,10 +178,10 @@ private:
 
     void answer_cold(const WorkOrder::Item& item) {
         if (const auto first = answer(item, nullptr)) {
-            if (is_timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
+            if (is_timed(first->status)) time_repeats(item, first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
             fields(item, nullptr, first->result);
-            if (item.proof) prove(item, first->result);
+            if (item.query.wanted.certificate) prove(item, first->result);
         }
         send({{"event", "end"}, {"row", item.row}});
     }
@@ -226,7 +211,7 @@ private:
             pass([&](const WorkOrder::Item& item, const Answer& answered) {
                 Trace untraced;
                 const Stopwatch watch;
-                (void)session_->solve(query_of(item), state.get(), untraced);
+                (void)session_->solve(item.query, state.get(), untraced);
                 const Spent once = watch.spent();
                 spent += once.wall_seconds;
                 if (is_timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
@@ -247,7 +232,7 @@ private:
         Outcome outcome;
         outcome.status = status;
         outcome.reason = one_line(reason);
-        outcome.cutoff_used = item.cutoff;
+        outcome.cutoff_used = item.query.cutoff;
         add_preparation(outcome);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
         return std::nullopt;
@@ -276,11 +261,11 @@ private:
     }
 
     // Times the repeats of a case. Times fast solves in batches of 0.5 ms, so that reading the clock costs < 0.1 %.
-    void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
+    void time_repeats(const WorkOrder::Item& item, double first_seconds) {
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
         for (int i = 0; i < order_.repeats && (i == 0 || spent < most_seconds_of_repeats(1)); ++i) {
-            const Timing timing = time_once(*session_, query, iterations);
+            const Timing timing = time_once(*session_, item.query, iterations);
             spent += timing.wall_seconds * double(iterations);
             repeated(item, timing, iterations);
         }
@@ -294,7 +279,7 @@ private:
 
     void trace(const WorkOrder::Item& item, State* state, const Result& first) {
         Trace traced(Trace::Mode::on, item.marks);
-        const Result again = session_->solve(query_of(item), state, traced);
+        const Result again = session_->solve(item.query, state, traced);
         json samples = json::array();
         for (const TraceSample& s : traced.samples())
             samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
@@ -319,11 +304,11 @@ private:
                 drawing.witness = first.witness.source_point;
                 drawing.witness_element = first.witness.source_element;
             }
-            all =
-                as_fields(draw_distance(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose, drawing));
+            all = as_fields(draw_distance(*shapes_.source, item.query.source_pose, *shapes_.target,
+                                          item.query.target_pose, drawing));
         }
         if (item.stages || find_solver(order_.solver).info.can(Ability::fields)) {
-            Query query = query_of(item);
+            Query query = item.query;
             query.wanted.fields = wanted;
             query.wanted.stages = true;
             Trace untraced;
@@ -340,27 +325,25 @@ private:
 
     // Checks an upper bound by the solver's certificate, or at every point of two point sets, and sends the verdict.
     void prove(const WorkOrder::Item& item, const Result& result) {
+        const Query& query = item.query;
         const auto tell = [&](double proven, const std::string& certificate) {
             send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
         };
         const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
         if (kind_of(source) == ShapeKind::points && kind_of(target) == ShapeKind::points) {
-            const UpperCheck check{item.quantity, result.bounds.upper, query_of(item).time_limit};
-            const Verdict verdict = check.of_points(source, item.source_pose, target, item.target_pose);
+            const UpperCheck check{query.quantity, result.bounds.upper, query.time_limit};
+            const Verdict verdict = check.of_points(source, query.source_pose, target, query.target_pose);
             return tell(verdict == Verdict::holds ? check.upper : unknown, UpperCheck::words(verdict));
         }
         if (result.certificates.empty())
             return tell(unknown, result.why_no_certificate.empty() ? "none: the solver writes none"
                                                                    : "none: " + one_line(result.why_no_certificate));
         CertificateFile content;
-        content.source = {"", content_hash(source), item.source_pose};
-        content.target = {"", content_hash(target), item.target_pose};
-        content.quantity = item.quantity;
+        content.source.pose = query.source_pose;
+        content.target.pose = query.target_pose;
+        content.quantity = query.quantity;
         content.solver = order_.solver;
-        content.bounds = result.bounds;
-        content.witness = result.witness;
-        content.certificates = result.certificates;
-        state_what_is_proven(content, source, target);
+        take_answer(content, result, source, target);
         try {
             const CertificateVerdict verdict = verify_certificate(content, source, target);
             if (verdict.accepted)

@@ -34,12 +34,8 @@ Measured symmetric(bool turned, const Tolerance& tolerance, std::optional<double
     measured.cutoff = cutoff;
     Shape a = PointSet{first()}, b = PointSet{second()};
     if (turned) std::swap(a, b);
-    int told = 0;
-    MeasureSteps steps;
-    steps.prepared = [&] { EXPECT_EQ(told++, 0); };
-    steps.answered = [&] { EXPECT_EQ(told++, 1); };
-    prepare_and_solve({find_solver("scan"), request, tolerance}, a, b, measured, steps);
-    EXPECT_EQ(told, 2);
+    request.in_process = true;
+    solve(request, find_solver("scan"), tolerance, a, b, measured);
     return measured;
 }
 
@@ -56,17 +52,17 @@ TEST(Measure, HIsTheLargerOfTheTwo) {
         for (const Tolerance tolerance :
              {Tolerance{Tolerance::Of::absolute, 1e-6}, Tolerance{Tolerance::Of::lower, 1e-7}}) {
             const Measured m = symmetric(turned, tolerance);
-            ASSERT_TRUE(m.forward && m.backward);
-            expect_in(*m.forward, turned ? 5 : 3, "h(A,B)");
-            expect_in(*m.backward, turned ? 3 : 5, "h(B,A)");
-            expect_in(m.result, 5, "H(A,B)");
+            ASSERT_TRUE(m.answer.forward && m.answer.backward);
+            expect_in(*m.answer.forward, turned ? 5 : 3, "h(A,B)");
+            expect_in(*m.answer.backward, turned ? 3 : 5, "h(B,A)");
+            expect_in(m.answer.result, 5, "H(A,B)");
             // The source point is on A, whichever direction attains H.
             const Vec3 far(5, 0, 0), origin(0, 0, 0);
-            EXPECT_EQ(m.result.witness.source_point, turned ? far : origin);
-            EXPECT_EQ(m.result.witness.target_point, turned ? origin : far);
-            EXPECT_EQ(m.result.witness.direction,
+            EXPECT_EQ(m.answer.result.witness.source_point, turned ? far : origin);
+            EXPECT_EQ(m.answer.result.witness.target_point, turned ? origin : far);
+            EXPECT_EQ(m.answer.result.witness.direction,
                       turned ? Witness::Direction::source_to_target : Witness::Direction::target_to_source);
-            EXPECT_EQ(m.backward->witness.direction, Witness::Direction::target_to_source);
+            EXPECT_EQ(m.answer.backward->witness.direction, Witness::Direction::target_to_source);
         }
     }
 }
@@ -96,18 +92,19 @@ TEST(Measure, EachBoundOfHIsTheLargerOne) {
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Wide>(options); };
     for (const bool turned : {false, true}) {
         MeasureRequest request;
-        request.symmetric = true;
+        request.symmetric = request.in_process = true;
         Shape two = PointSet{first()}, three = PointSet{Points::Random(3, 3)};
         if (turned) std::swap(two, three);
         for (const double tolerance : {1.5, 0.5}) {
             Measured m;
-            prepare_and_solve({entry, request, {Tolerance::Of::absolute, tolerance}}, two, three, m, {});
-            EXPECT_EQ(m.result.bounds.lower, 3);
-            EXPECT_EQ(m.result.bounds.upper, 4);
-            EXPECT_EQ(turned ? m.result.witness.source_point : m.result.witness.target_point, Vec3(3, 3, 3));
+            solve(request, entry, {Tolerance::Of::absolute, tolerance}, two, three, m);
+            EXPECT_EQ(m.answer.result.bounds.lower, 3);
+            EXPECT_EQ(m.answer.result.bounds.upper, 4);
+            EXPECT_EQ(turned ? m.answer.result.witness.source_point : m.answer.result.witness.target_point,
+                      Vec3(3, 3, 3));
             const bool close = tolerance > 1;
-            EXPECT_EQ(to_string(m.result.status), close ? "converged" : "budget");
-            EXPECT_EQ(m.result.note, close ? "" : "of two points");  // the direction with the larger gap
+            EXPECT_EQ(to_string(m.answer.result.status), close ? "converged" : "budget");
+            EXPECT_EQ(m.answer.result.note, close ? "" : "of two points");  // the direction with the larger gap
         }
     }
 }
@@ -115,12 +112,12 @@ TEST(Measure, EachBoundOfHIsTheLargerOne) {
 TEST(Measure, AQuestionEndsWithTheFirstDirectionThatAnswersIt) {
     const Tolerance tolerance{Tolerance::Of::absolute, 1e-6};
     const Measured soon = symmetric(true, tolerance, 4);  // h(A,B) = 5
-    EXPECT_EQ(to_string(soon.result.status), to_string(Status::above_cutoff));
-    EXPECT_FALSE(soon.backward);
-    EXPECT_TRUE(std::isinf(soon.result.bounds.upper));     // h(B,A) was not measured
-    const Measured late = symmetric(false, tolerance, 4);  // only h(B,A) is 5
-    EXPECT_EQ(to_string(late.result.status), to_string(Status::above_cutoff));
-    EXPECT_GT(late.result.bounds.lower, 4);
+    EXPECT_EQ(to_string(soon.answer.result.status), to_string(Status::above_cutoff));
+    EXPECT_FALSE(soon.answer.backward);
+    EXPECT_TRUE(std::isinf(soon.answer.result.bounds.upper));  // h(B,A) was not measured
+    const Measured late = symmetric(false, tolerance, 4);      // only h(B,A) is 5
+    EXPECT_EQ(to_string(late.answer.result.status), to_string(Status::above_cutoff));
+    EXPECT_GT(late.answer.result.bounds.lower, 4);
     EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).result.status), to_string(Status::below_floor));
 }
 
@@ -154,11 +151,11 @@ TEST(Measure, AnAnswerOutlivesItsProof) {
         request.certificate = "never written";
         Measured m;
         m.tolerance_of = request.of;
-        solve_outside({entry, request, {Tolerance::Of::absolute, 2}}, PointSet{first()}, PointSet{second()}, m);
+        solve(request, entry, {Tolerance::Of::absolute, 2}, PointSet{first()}, PointSet{second()}, m);
         ASSERT_FALSE(m.failed) << m.failed->reason;
-        EXPECT_EQ(m.result.bounds.upper, 1);
+        EXPECT_EQ(m.answer.result.bounds.upper, 1);
         EXPECT_FALSE(m.proven);
-        EXPECT_NE(m.why_not_proven.find(hangs ? "its certificate were not written within" : "exit code 7"),
+        EXPECT_NE(m.why_not_proven.find(hangs ? "its certificate was not written within" : "exit code 7"),
                   std::string::npos)
             << m.why_not_proven;
         EXPECT_EQ(exit_code(m, request), 1);
@@ -172,7 +169,7 @@ TEST(Measure, AProofOfALargerBoundIsSaid) {
     request.certificate = "a proof";
     Measured m;
     m.tolerance_of = request.of;
-    m.result.bounds = {0, 1};
+    m.answer.result.bounds = {0, 1};
     m.extent = 100;
     for (const auto& [proven, larger] : {std::pair{1 + 0.9e-10, false}, std::pair{1 + 1.1e-10, true}}) {
         m.proven = proven;

@@ -313,9 +313,9 @@ TEST_F(PlanRows, PairsThatAreNotRunAreNoPartOfASearch) {
 TEST(Search, TheCutoffIsTheLeastUpperBoundButStaysAboveTheFloor) {
     const auto narrowed = [](double floor, double cutoff, double least) {
         WorkOrder::Item item{};
-        item.floor = floor, item.cutoff = cutoff;
+        item.query.floor = floor, item.query.cutoff = cutoff;
         item.narrow(least);
-        return item.cutoff;
+        return item.query.cutoff;
     };
     constexpr double none = std::numeric_limits<double>::infinity();
     EXPECT_EQ(narrowed(0, none, 3), 3);

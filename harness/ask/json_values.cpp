@@ -1,4 +1,4 @@
-#include "harness/record/json_values.h"
+#include "harness/ask/json_values.h"
 
 #include <cmath>
 #include <limits>
