@@ -118,7 +118,7 @@ TEST(Measure, AQuestionEndsWithTheFirstDirectionThatAnswersIt) {
     const Measured late = symmetric(false, tolerance, 4);      // only h(B,A) is 5
     EXPECT_EQ(to_string(late.answer.result.status), to_string(Status::above_cutoff));
     EXPECT_GT(late.answer.result.bounds.lower, 4);
-    EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).result.status), to_string(Status::below_floor));
+    EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).answer.result.status), to_string(Status::below_floor));
 }
 
 // Answers [0, 1] at once. Asked for a certificate, it hangs or, with a time limit above 1 s, exits the process.
