@@ -19,7 +19,7 @@ from analysis.shared import claims, numerals, style
 from analysis.shared.comparable import apart, origins
 from analysis.shared.load import load
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import Estimate, ratio_by_round
+from analysis.shared.estimates import Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 SHARE: Final = 0.9  # the claim: on the front in at least this share of the cells

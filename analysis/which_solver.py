@@ -25,7 +25,7 @@ from analysis.shared.load import each, load_all
 from analysis.shared.notes import machine_line
 from analysis.shared.report import save_figure
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import Estimate, ratio_by_round
+from analysis.shared.estimates import Estimate, ratio_by_round
 
 STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}

@@ -18,7 +18,7 @@ from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.load import REFERENCE
 from analysis.shared.results import Results
-from analysis.shared.statistics import CONFIDENCE, order_statistic_rank
+from analysis.shared.estimates import CONFIDENCE, order_statistic_rank
 
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"

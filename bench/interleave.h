@@ -1,7 +1,7 @@
 // Times several contenders in turn, so that a disturbance of the machine affects all of them.
 #pragma once
 
-#include "harness/record/statistics.h"
+#include "harness/record/estimates.h"
 
 #include <ctime>
 #include <functional>

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.shared.numerals import NOTHING, number
 from analysis.shared.tables import Table, markdown
 

@@ -14,7 +14,7 @@ from analysis.shared import claims, numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import median
+from analysis.shared.estimates import median
 from analysis.shared.verdicts import Verdict, never
 
 NEVER_RAN: Final = ("skipped", "not_built")

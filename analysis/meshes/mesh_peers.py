@@ -17,7 +17,7 @@ from analysis.shared.comparable import apart, reason_apart
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
+from analysis.shared.estimates import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
 from analysis.shared.verdicts import FAILS, NOT_JUDGED, OPEN, Verdict, above_one, everywhere
 
 PEER: Final = "cgal"

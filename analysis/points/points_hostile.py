@@ -12,7 +12,7 @@ from analysis.shared.cells import Grid
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.shared.verdicts import everywhere
 
 OURS, RIVAL = "scan", "kdtree"

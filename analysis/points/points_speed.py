@@ -15,7 +15,7 @@ from analysis.shared.comparable import apart, origin
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
+from analysis.shared.estimates import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 from analysis.shared.verdicts import Verdict, most_of
 
 OURS = "scan"

@@ -12,7 +12,7 @@ import scipy.stats
 from analysis import which_solver
 from analysis.shared import numerals
 from analysis.shared.results import Results
-from analysis.shared.statistics import CONFIDENCE
+from analysis.shared.estimates import CONFIDENCE
 from analysis.which_solver import DOMAINS, FINEST, Cell
 
 STEMS: Final = (*which_solver.STEMS, "sacht2024_table2", "zhang2017_table3")

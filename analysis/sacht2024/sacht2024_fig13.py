@@ -16,7 +16,7 @@ from analysis.shared.load import paper_numbers
 from analysis.shared.notes import clock_note, clock_title, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, everywhere
 
 TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # fractions of the diagonal of A

@@ -17,7 +17,7 @@ from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.notes import clock_word, machine_line, scene_notes, total_title
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import paired_ratio
+from analysis.shared.estimates import paired_ratio
 from analysis.shared.verdicts import Verdict, most_of
 
 SLOW, FAST = "zheng", "sacht"  # the ratio is of these two

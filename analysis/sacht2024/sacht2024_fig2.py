@@ -20,7 +20,7 @@ from analysis.shared.notes import clock_word, machine_line, total_word
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 FAST, SLOW = "sacht", "zheng"

@@ -10,7 +10,7 @@ from analysis.shared import numerals, style
 from analysis.shared.cells import MEASURES
 from analysis.shared.comparable import Origin, apart, origins
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, weighed, why
 
 ENDED: Final = ("ok", "floor")  # statuses of rows that ended by themselves

@@ -17,7 +17,7 @@ from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import CONFIDENCE
+from analysis.shared.estimates import CONFIDENCE
 
 LEAST_SECONDS: Final = 2e-4  # shorter times are dominated by startup and cold caches
 LEAST_BYTES: Final = 2**20  # smaller peaks depend on page sizes and on memory left over from loading

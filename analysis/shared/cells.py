@@ -20,7 +20,7 @@ import numpy as np
 from analysis.shared import numerals, style
 from analysis.shared.comparable import apart, origins
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
+from analysis.shared.estimates import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
 from analysis.shared.verdicts import Verdict, everywhere
 
 DISTANCES: Final = ("point_distances", "point_triangle_distances")

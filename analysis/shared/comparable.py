@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate, no_data
+from analysis.shared.estimates import Estimate, no_data
 
 
 class Origin(NamedTuple):

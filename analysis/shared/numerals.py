@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 
-from analysis.shared.statistics import CONFIDENCE, Estimate
+from analysis.shared.estimates import CONFIDENCE, Estimate
 
 NOTHING = "—"  # not measured, or unknown
 

@@ -19,7 +19,7 @@ import scipy.stats
 
 from analysis.shared import numerals
 from analysis.shared.columns import Floats
-from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
+from analysis.shared.estimates import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict, weighed, why
 
 Wins = npt.NDArray[np.bool_]  # one per pair

@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from analysis.shared.columns import Answers, Cases, Fields, Floats, Ints, Ledger, Models, Preparation, Repeats, Texts, Trace
-from analysis.shared.statistics import by_round
+from analysis.shared.estimates import by_round
 
 
 LEAST_SHARE: Final = 0.2  # an external program is timed by CPU time only if its CPU time is at least this share of its wall time

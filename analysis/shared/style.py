@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 
 from analysis.shared.drawable import legend_label, make_drawable  # noqa: E402
-from analysis.shared.statistics import Estimate  # noqa: E402
+from analysis.shared.estimates import Estimate  # noqa: E402
 
 if TYPE_CHECKING:
     from analysis.shared.results import Results

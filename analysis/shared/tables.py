@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.shared.verdicts import Verdict
 
 Record = dict[str, object]

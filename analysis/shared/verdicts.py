@@ -16,7 +16,7 @@ import numpy as np
 import scipy.stats
 
 from analysis.shared import numerals
-from analysis.shared.statistics import NO_DATA, Estimate, median, simes
+from analysis.shared.estimates import NO_DATA, Estimate, median, simes
 
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"

@@ -13,7 +13,7 @@ from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import exact as exactly
+from analysis.shared.estimates import exact as exactly
 from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.shou2014.shou2014_example import Joined, join
 

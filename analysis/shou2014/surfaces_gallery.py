@@ -18,7 +18,7 @@ from analysis.shared.drawable import as_formula
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import median
+from analysis.shared.estimates import median
 from analysis.shared.verdicts import Verdict, all_of
 
 VOXELS = 32  # along an axis, in pictures

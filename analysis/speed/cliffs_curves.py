@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.shared.comparable import Origin, origin, reason_apart
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import median
+from analysis.shared.estimates import median
 
 MOST: Final = 4.0  # a cliff is more than this many times the work at ratio 1
 FLAT: Final = 1.02  # work within this factor counts as constant

@@ -20,7 +20,7 @@ from analysis.shared.comparable import Origin, apart
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one
 
 OURS: Final = "distribution"

@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.shared.columns import Floats
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate, median
+from analysis.shared.estimates import Estimate, median
 
 ROUNDING: Final = 2.0**-53  # smaller lengths are below the rounding of coordinates
 FINER: Final = 0.01  # gaps below this fraction of the finest tolerance are not distinguished

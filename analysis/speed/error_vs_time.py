@@ -13,7 +13,7 @@ from analysis.shared import numerals, style, tables
 from analysis.shared.notes import clock_note, measured_on
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.speed import error_curves, error_picture
 from analysis.speed.error_curves import Panel
 

@@ -20,7 +20,7 @@ from analysis.shared import claims, numerals, scales, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, above_one
 from analysis.speed.distribution_error_vs_time import OURS, pair_of
 

@@ -16,7 +16,7 @@ from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
+from analysis.shared.estimates import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
 from analysis.tang2009 import tang_pictures
 from analysis.tang2009.tang_motion import Run

@@ -15,7 +15,7 @@ from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
+from analysis.shared.estimates import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))

@@ -16,7 +16,7 @@ from analysis.shared.load import load
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact
+from analysis.shared.estimates import NO_DATA, Estimate, exact
 from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.tang2009 import tang2009_similarity
 from analysis.tang2009.tang2009_similarity import SUFFIX

@@ -12,7 +12,7 @@ from analysis.shared import numerals
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.results import Results
-from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
+from analysis.shared.estimates import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict
 
 BATCHES: Final = 8

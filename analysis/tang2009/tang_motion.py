@@ -19,7 +19,7 @@ from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import Origin, apart, origins, reason_apart
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, all_of, everywhere, most_of, rising_by_run
 
 BACK: Final = " (B to A)"

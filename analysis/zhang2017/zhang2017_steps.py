@@ -15,7 +15,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate, median
+from analysis.shared.estimates import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
 MOST: Final = 4000  # points of A whose distances to all of B are computed

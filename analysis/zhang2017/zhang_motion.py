@@ -22,7 +22,7 @@ from analysis.shared.comparable import apart, origins, reason_apart
 from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
+from analysis.shared.estimates import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one, all_of, greatest, rising_by_run, weighed
 from analysis.zhang2017 import motion_picture
 

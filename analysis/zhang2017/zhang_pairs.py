@@ -19,7 +19,7 @@ from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared.estimates import NO_DATA, Estimate
 from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 

@@ -16,7 +16,7 @@ from analysis.shared.comparable import apart
 from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared.estimates import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
 # Colours (from light to dark; no solver has them) and markers of the pairs.

@@ -1,4 +1,4 @@
-"""Judges blocks of base and candidate. Pure functions; the statistics come from analysis/shared/statistics.py.
+"""Judges blocks of base and candidate. Pure functions; the statistics come from analysis/shared/estimates.py.
 
 A block is a fresh process; its time is the least of its repeats. Blocks come in pairs of base and candidate that share a core.
 Two pairs make a turn: the base begins one, the candidate the other. The median of the log ratios of the pairs has a sign-test
@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
-from analysis.shared.statistics import NO_DATA, Estimate, order_statistic_rank, paired_ratio
+from analysis.shared.estimates import NO_DATA, Estimate, order_statistic_rank, paired_ratio
 
 LEAST = 0.03  # smaller slowdowns do not alarm
 PLANTED = 0.05  # the slowdown that the gate must detect to be believed

@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.shared.statistics import median
+from analysis.shared.estimates import median
 from bench.tracking import blocks as one_block
 from bench.tracking import builds, counted, progress
 from bench.tracking.blocks import Block, NotMeasured

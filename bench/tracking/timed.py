@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from analysis.shared.statistics import NO_DATA
+from analysis.shared.estimates import NO_DATA
 from bench.tracking.blocks import Job, NotMeasured, job_of_case, job_of_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case

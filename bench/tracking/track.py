@@ -25,7 +25,7 @@ from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
 
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 from analysis.shared.numerals import number
 from bench.tracking import counted, progress, timed
 from bench.tracking.blocks import NotMeasured

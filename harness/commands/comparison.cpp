@@ -5,7 +5,7 @@
 #include "harness/commands/row_choice.h"
 #include "harness/record/profiles.h"
 #include "harness/record/row_times.h"
-#include "harness/record/statistics.h"
+#include "harness/record/estimates.h"
 #include "harness/result/provenance.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "harness/record/row.h"
-#include "harness/record/statistics.h"
+#include "harness/record/estimates.h"
 
 #include <map>
 #include <string>

@@ -16,7 +16,7 @@ from analysis.sacht2024 import sacht2024_fig10, sacht2024_fig2
 from analysis.shared import over_pairs
 from analysis.shared.load import load
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, on_average, share_near, shared_wins, wins_more
-from analysis.shared.statistics import NO_DATA, exact
+from analysis.shared.estimates import NO_DATA, exact
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Verdict
 
 

@@ -11,7 +11,7 @@ import pytest
 from analysis import conditions, forest, paper_page
 from analysis.shared import claims
 from analysis.shared.load import REFERENCE
-from analysis.shared.statistics import Estimate, exact
+from analysis.shared.estimates import Estimate, exact
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, UNTESTED, Ratio, Verdict, above_one, everywhere, most_of
 
 STEM = "zhang2017_table3"

@@ -15,7 +15,7 @@ from analysis import paper_page
 from analysis.report import all_rows, chooser, outcomes, pages
 from analysis.shared import claims, style
 from analysis.shared.load import REFERENCE, load
-from analysis.shared.statistics import ratio_by_round
+from analysis.shared.estimates import ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, Verdict
 from analysis.which_solver import Cell
 from synthetic import ResultFile, zhang2017_table3

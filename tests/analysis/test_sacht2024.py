@@ -20,7 +20,7 @@ from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
 from analysis.sacht2024.sacht_pairs import named
 from analysis.shared import mesh_picture
 from analysis.shared.shapes import Mesh
-from analysis.shared.statistics import exact
+from analysis.shared.estimates import exact
 from analysis.shared.stems import module_of
 
 

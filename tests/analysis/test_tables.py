@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from analysis.shared import numerals, table_files, tables
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median
+from analysis.shared.estimates import NO_DATA, Estimate, exact, median
 from analysis.shared.verdicts import above_one
 
 

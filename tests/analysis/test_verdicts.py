@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analysis.shared import verdicts
-from analysis.shared.statistics import NO_DATA, Estimate, exact, one_draw, paired_ratio
+from analysis.shared.estimates import NO_DATA, Estimate, exact, one_draw, paired_ratio
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN, UNTESTED
 
 

@@ -11,7 +11,7 @@ import synthetic
 from analysis import paper_profile, winners
 from analysis.shared import numerals, style, table_files, tables
 from analysis.shared.load import REFERENCE
-from analysis.shared.statistics import Estimate
+from analysis.shared.estimates import Estimate
 
 # Milliseconds on three scenes: the median and its interval. An empty list is a timeout.
 TIMES: dict[str, dict[str, list[float]]] = {

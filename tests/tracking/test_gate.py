@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared.estimates import NO_DATA, Estimate
 from bench.tracking import gate
 from bench.tracking.gate import LEAST, PLANTED, Judged, Sides, Verdict, alarms, compare, judge, self_test, times, verdict_of_times, whole
 

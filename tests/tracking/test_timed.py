@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.shared.statistics import order_statistic_rank
+from analysis.shared.estimates import order_statistic_rank
 from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build

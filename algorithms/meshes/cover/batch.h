@@ -5,7 +5,7 @@
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/splitmix.h"
 #include "algorithms/kernel/watched.h"
-#include "algorithms/meshes/cover/worker.h"
+#include "algorithms/meshes/cover/work.h"
 
 #include <array>
 #include <bit>

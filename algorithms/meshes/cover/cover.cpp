@@ -39,7 +39,7 @@
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/watched.h"
 #include "algorithms/meshes/cover/groups.h"
-#include "algorithms/meshes/cover/worker.h"
+#include "algorithms/meshes/cover/work.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -63,7 +63,7 @@ constexpr std::size_t first_clusters = 32;  // the clusters most likely to have 
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
 // Returns the least gap between the lower bound on h(A,B) and the threshold tau. This is more than rounding adds to an
-// upper bound; CoverWorker::threshold() enlarges the gap if double precision needs more.
+// upper bound; CoverWork::threshold() enlarges the gap if double precision needs more.
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
@@ -100,7 +100,7 @@ public:
                  proofs_ ? &*proofs_ : nullptr,
                  partners_of(warm_start, pair)},
           threads_(elements_ || proofs_ ? 1 : query.threads) {
-        workers_.resize(static_cast<std::size_t>(threads_.most()));
+        works_.resize(static_cast<std::size_t>(threads_.most()));
     }
 
     Result run();
@@ -133,13 +133,13 @@ private:
     std::optional<CoverProofs> proofs_;
     CoverInput scene_;
     Threads threads_;
-    std::vector<std::unique_ptr<CoverWorker>> workers_;  // one per thread; null until the thread gets its first part
+    std::vector<std::unique_ptr<CoverWork>> works_;  // one per thread; null until the thread gets its first part
     std::vector<Cluster> clusters_;
     std::vector<CoverPiece> undecided_;
     std::optional<Status> stop_;
 };
 
-// Calls item(worker, i) for each i < count, `of_part` items at a time, on several threads (see "Rounds" at the top of
+// Calls item(work, i) for each i < count, `of_part` items at a time, on several threads (see "Rounds" at the top of
 // this file). upper_of_rest(i) returns the largest upper bound of the work left after items 0 to i - 1. It is called
 // after each round if the query has a trace, a floor or a cutoff.
 template <class Item, class UpperOfRest>
@@ -158,14 +158,14 @@ void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& 
         std::vector<CoverOutcome> outcomes((end - begin + of_part - 1) / of_part);
         std::vector<std::optional<Status>> stops(outcomes.size());
         threads_.for_each(outcomes.size(), [&](std::size_t part, int number) {
-            std::unique_ptr<CoverWorker>& made = workers_[static_cast<std::size_t>(number)];
-            if (!made) made = std::make_unique<CoverWorker>(scene_);
-            CoverWorker& worker = *made;
-            worker.begin(farthest, settled, left, stopped, deadline_);
+            std::unique_ptr<CoverWork>& made = works_[static_cast<std::size_t>(number)];
+            if (!made) made = std::make_unique<CoverWork>(scene_);
+            CoverWork& work = *made;
+            work.begin(farthest, settled, left, stopped, deadline_);
             const std::size_t first = begin + part * of_part;
-            for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(worker, i);
-            stops[part] = worker.stopped();
-            outcomes[part] = worker.finish();
+            for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(work, i);
+            stops[part] = work.stopped();
+            outcomes[part] = work.finish();
         });
         for (CoverOutcome& outcome : outcomes) merge(std::move(outcome));
         for (const std::optional<Status>& stop : stops)
@@ -209,13 +209,13 @@ void CoverSearch::measure_groups() {
         std::vector<Cluster> groups;
         groups.swap(clusters_);
         const std::size_t size = GroupBoxes::triangles_of_group(level);
-        const auto item = [&](CoverWorker& worker, std::size_t i) {
+        const auto item = [&](CoverWork& work, std::size_t i) {
             const Cluster& group = groups[i];
             for (std::size_t begin = group.begin; begin < group.begin + group.count; begin += size) {
                 Cluster part = group;
                 part.begin = begin;
                 part.count = std::min(size, group.begin + group.count - begin);
-                worker.narrow(part, boxes_.box(level, begin / size));
+                work.narrow(part, boxes_.box(level, begin / size));
             }
         };
         in_rounds(groups.size(), groups_of_part, item,
@@ -226,7 +226,7 @@ void CoverSearch::measure_groups() {
 
 void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
     in_rounds(
-        end - begin, clusters_of_part, [&](CoverWorker& worker, std::size_t i) { worker.cover(clusters_[begin + i]); },
+        end - begin, clusters_of_part, [&](CoverWork& work, std::size_t i) { work.cover(clusters_[begin + i]); },
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
@@ -239,7 +239,7 @@ void CoverSearch::decide_all(std::size_t clusters_left) {
     std::stable_sort(pieces.begin(), pieces.end(),
                      [](const CoverPiece& x, const CoverPiece& y) { return x.upper.value > y.upper.value; });
     in_rounds(
-        pieces.size(), pieces_of_part, [&](CoverWorker& worker, std::size_t i) { worker.decide(pieces[i]); },
+        pieces.size(), pieces_of_part, [&](CoverWork& work, std::size_t i) { work.decide(pieces[i]); },
         [&](std::size_t i) { return std::max(upper_of(pieces, i), upper_of(clusters_, clusters_left)); });
 }
 

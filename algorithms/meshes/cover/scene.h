@@ -1,4 +1,4 @@
-// The input and the results of a CoverWorker, which does one part of the work of threshold cover
+// The input and the results of a CoverWork, which does one part of the work of threshold cover
 // (meshes/cover/cover.cpp).
 //
 // To *settle* triangles of A or a piece is to record a proven upper bound on their distance to B, after which the
@@ -50,7 +50,7 @@ struct Cluster {
 // their order, so that neighbours stay together.
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
 
-// What a CoverWorker gets. Keeps references.
+// What a CoverWork gets. Keeps references.
 struct CoverInput {
     const TriangleMesh& a;
     const Points& points;  // vertices of A, after its pose
@@ -61,11 +61,11 @@ struct CoverInput {
     double magnitude;  // the largest |coordinate| of B and of A, after its pose
     double least_gap;  // the threshold exceeds the lower bound by at least this, unless floor = cutoff
     // Receives the bounds of each triangle of A for Result::fields; null if no fields are wanted. If `elements` or
-    // `proofs` is set, only one worker runs at a time.
+    // `proofs` is set, only one of them works at a time.
     ElementBounds* elements;
     CoverProofs* proofs;  // certificate under construction; null if none is wanted
     // For each triangle of A, a triangle of B that is probably near it, or -1 if none is known. Null without a warm
-    // start (WarmStart::partner). Workers that run at the same time use different entries.
+    // start (WarmStart::partner). Those that work at the same time use different entries.
     Index* partner;
 };
 
@@ -97,7 +97,7 @@ inline constexpr int halvings_for_all_near = 8;
 struct CoverOutcome {
     Farthest farthest;
     double settled = 0;                 // largest upper bound of a settled group or piece
-    std::vector<Cluster> groups;        // groups that CoverWorker::narrow() did not settle
+    std::vector<Cluster> groups;        // groups that CoverWork::narrow() did not settle
     std::vector<CoverPiece> undecided;  // pieces that single precision did not settle
     Counters counters;
 };

@@ -4,7 +4,7 @@
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/offset_cover.h"
-#include "algorithms/meshes/cover/worker.h"
+#include "algorithms/meshes/cover/work.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/exact.h"
@@ -176,7 +176,7 @@ struct AcrossThePlace {
 // A corner of a piece of level k may be 2 * k * u * M off the point of A that it represents (kernel/rounding.h). Real
 // searches rarely reach half of that, so these tests make pieces by hand.
 
-// A worker with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
+// A CoverWork with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
 // something were far away.
 class Alone {
 public:
@@ -185,13 +185,13 @@ public:
           b_(std::move(b)),
           query_(with_tolerance(tolerance)),
           magnitude_(magnitude > 0 ? magnitude : std::max(largest(a_), largest(b_))),
-          worker_({a_, a_.vertices, target_, blocks_, order_, query_, magnitude_, 64 * u * magnitude_, nullptr, nullptr,
-                   nullptr}) {
+          work_({a_, a_.vertices, target_, blocks_, order_, query_, magnitude_, 64 * u * magnitude_, nullptr, nullptr,
+                 nullptr}) {
         begin({});
     }
 
     void begin(const Farthest& farthest) {
-        worker_.begin(farthest, 0, std::numeric_limits<std::uint64_t>::max(), false, deadline_);
+        work_.begin(farthest, 0, std::numeric_limits<std::uint64_t>::max(), false, deadline_);
     }
     CoverPiece piece(int level) const { return {corners(), 0, 0, {}, landmark(), level}; }
     std::array<Vec3, 3> corners() const { return {a_.vertices.row(0), a_.vertices.row(1), a_.vertices.row(2)}; }
@@ -200,7 +200,7 @@ public:
         const ClosestPoint nearest = target_.closest(a_.vertices.row(0), -1, counters);
         return {a_.vertices.row(0), std::sqrt(nearest.squared_distance), nearest.triangle, 0};
     }
-    CoverWorker& worker() { return worker_; }
+    CoverWork& work() { return work_; }
     const TriangleMesh& b() const { return b_; }
     double magnitude() const { return magnitude_; }
     // Returns how far a corner of a piece of this level may be off A.
@@ -219,7 +219,7 @@ private:
     Query query_;
     double magnitude_;
     Deadline deadline_{std::numeric_limits<double>::infinity()};
-    CoverWorker worker_;
+    CoverWork work_;
 };
 
 // Returns two large triangles in the plane z = 0, one on each side of x = 0.
@@ -244,36 +244,36 @@ Farthest at_one() {
 }
 
 // One triangle of B bounds all corners. The bound and the measured corner must include the error of the piece's level.
-TEST(CoverWorker, ABoundByCornersHoldsForTheExactPiece) {
+TEST(CoverWork, ABoundByCornersHoldsForTheExactPiece) {
     Alone alone(at_height(1, -3), two_halves(), 0.1, far_away);
-    alone.worker().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.worker().finish();
+    alone.work().decide(alone.piece(high_level));
+    const CoverOutcome outcome = alone.work().finish();
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1.1);
     EXPECT_GE(outcome.farthest.level, high_level);
 }
 
-TEST(CoverWorker, ACoverInDoublePrecisionHoldsForTheExactPiece) {
+TEST(CoverWork, ACoverInDoublePrecisionHoldsForTheExactPiece) {
     Alone alone(at_height(1, 0), two_halves(), tolerance_of(70), far_away);
-    alone.worker().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.worker().finish();
+    alone.work().decide(alone.piece(high_level));
+    const CoverOutcome outcome = alone.work().finish();
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1 + 71 * um);
 }
 
-TEST(CoverWorker, ACoverInSinglePrecisionHoldsForTheExactPiece) {
+TEST(CoverWork, ACoverInSinglePrecisionHoldsForTheExactPiece) {
     Alone alone(at_height(1, 0), two_halves(), tolerance_of(70), far_away);
     alone.begin(at_one());
     const CoverPiece piece = alone.piece(high_level);
-    alone.worker().cover(std::span(&piece, 1), piece.landmark);
-    const CoverOutcome outcome = alone.worker().finish();
+    alone.work().cover(std::span(&piece, 1), piece.landmark);
+    const CoverOutcome outcome = alone.work().finish();
     EXPECT_TRUE(outcome.undecided.empty());
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1 + 71 * um);
 }
 
 // A piece counts as covered only if its bound, including all widening, is at most the threshold tau.
-TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
+TEST(CoverWork, WhatIsCoveredIsWithinTau) {
     constexpr double tau = 1 + 0.9 * 0.1;
     for (const int level : {0, high_level}) {
         int covered = 0;
@@ -281,8 +281,8 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
             Alone alone(at_height(tau - below * um, 0), two_halves(), 0.1, far_away);
             alone.begin(at_one());
             const CoverPiece piece = alone.piece(level);
-            alone.worker().cover(std::span(&piece, 1), piece.landmark);
-            const CoverOutcome outcome = alone.worker().finish();
+            alone.work().cover(std::span(&piece, 1), piece.landmark);
+            const CoverOutcome outcome = alone.work().finish();
             EXPECT_LE(outcome.settled, tau) << level << ", " << below;
             covered += outcome.undecided.empty();
         }
@@ -294,7 +294,7 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
 // Many triangles of B are near, so a corner of the piece is measured first, at 0.4. Its distance and the way to the other
 // corners are more than tau together, but the triangle nearest to it bounds all corners. The farthest is exactly 0.45
 // away.
-TEST(CoverWorker, ABoundByTheTriangleNearestToACornerHolds) {
+TEST(CoverWork, ABoundByTheTriangleNearestToACornerHolds) {
     TriangleMesh b = soup(rows({{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}}));
     const TriangleMesh below = sheet(20, -0.1);
     Points vertices(3 + 3 * below.triangles.rows(), 3);
@@ -314,10 +314,10 @@ TEST(CoverWorker, ABoundByTheTriangleNearestToACornerHolds) {
         alone.begin(begin);
         const std::array<CoverPiece, 2> pieces{alone.piece(0), alone.piece(0)};
         if (alone_at_once)
-            alone.worker().decide(pieces[0]);
+            alone.work().decide(pieces[0]);
         else
-            alone.worker().cover(pieces, alone.landmark());
-        const CoverOutcome outcome = alone.worker().finish();
+            alone.work().cover(pieces, alone.landmark());
+        const CoverOutcome outcome = alone.work().finish();
         EXPECT_TRUE(outcome.undecided.empty());
         EXPECT_GT(outcome.counters.closest_point_queries, 0U);
         EXPECT_EQ(outcome.counters.subdivisions, 0U);
@@ -328,17 +328,17 @@ TEST(CoverWorker, ABoundByTheTriangleNearestToACornerHolds) {
 
 // The tolerance is 0. Unless the threshold exceeds the lower bound by the rounding errors, nothing can be covered, and
 // the piece gets its bound from one triangle of B, here more than 1.4.
-TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
+TEST(CoverWork, WithoutAToleranceItCoversAllTheSame) {
     for (const int level : {0, high_level}) {
         Alone alone(at_height(1, 0), two_halves(), 0);
-        alone.worker().decide(alone.piece(level));
-        EXPECT_LE(alone.worker().finish().settled, 1 + 1e-10) << level;
+        alone.work().decide(alone.piece(level));
+        EXPECT_LE(alone.work().finish().settled, 1 + 1e-10) << level;
     }
 }
 
 // The tolerance is 0, and coordinates are so large that even the lower bound errs by a fraction of M. B is rotated, so
 // that closest points are rounded.
-TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
+TEST(CoverWork, WithoutAToleranceItCoversAllTheSameFarAway) {
     Random random(58);
     for (int i = 0; i < 20; ++i) {
         const Vec3 e = random.vector().normalized(), g = random.vector(), h = (g - g.dot(e) * e).normalized(),
@@ -350,19 +350,19 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
         for (Index v = 0; v < halves.vertices.rows(); ++v) halves.vertices.row(v) = moved(halves.vertices.row(v));
         const Triangle t = at_height(1, 0);
         Alone alone({moved(t.a), moved(t.b), moved(t.c)}, halves, 0);
-        alone.worker().decide(alone.piece(30));
-        EXPECT_LE(alone.worker().finish().settled, 1 + 200 * u * 0x1p31) << i;
+        alone.work().decide(alone.piece(30));
+        EXPECT_LE(alone.work().finish().settled, 1 + 200 * u * 0x1p31) << i;
     }
 }
 
 // So many triangles of B are near that the piece is halved. Its farthest corner, measured in a half, must keep its
 // level.
-TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
+TEST(CoverWork, ACornerOfAHalfIsOffByItsLevel) {
     TriangleMesh b = sheet(30, 0);
     b.vertices.leftCols(2) *= 2.0 / 29;
     Alone alone({{0.5, 0.5, 0.5}, {1.5, 0.5, 1.5}, {1, 1.5, 0.5}}, b, 1e-6, far_away);
-    alone.worker().decide(alone.piece(5));
-    const CoverOutcome outcome = alone.worker().finish();
+    alone.work().decide(alone.piece(5));
+    const CoverOutcome outcome = alone.work().finish();
     EXPECT_GT(outcome.counters.subdivisions, 0U);
     EXPECT_EQ(outcome.farthest.point.point, Vec3(1.5, 0.5, 1.5));
     EXPECT_GE(outcome.farthest.level, 5);
@@ -370,19 +370,19 @@ TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
 
 // The farthest point is inside a piece, above a gap in B. Its level must be higher than the piece's, for its own
 // rounding.
-TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
+TEST(CoverWork, APointInsideAPieceIsOffByItsLevel) {
     TriangleMesh b = two_halves();
     for (Index v = 0; v < b.vertices.rows(); ++v) b.vertices(v, 0) += v < 3 ? -0.75 : 0.75;
     Alone alone(at_height(0.125, 0), b, 1e-3, 0x1p20);
-    alone.worker().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.worker().finish();
+    alone.work().decide(alone.piece(high_level));
+    const CoverOutcome outcome = alone.work().finish();
     EXPECT_GT(outcome.farthest.point.squared, 0.5);
     EXPECT_GE(outcome.farthest.level, high_level + 1);
 }
 
 // B is a bowl with many triangles under the triangle of A, which is therefore halved. The farthest point is the
 // midpoint of its longest edge, which is rounded.
-TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
+TEST(CoverWork, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     Random random(53);
     int off_a = 0, off_a_undecided = 0;
     for (int i = 0; i < 20; ++i) {
@@ -401,8 +401,8 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
         Cluster cluster;
         cluster.count = 1;
         cluster.landmark = alone.landmark();
-        alone.worker().cover(cluster);
-        const CoverOutcome outcome = alone.worker().finish();
+        alone.work().cover(cluster);
+        const CoverOutcome outcome = alone.work().finish();
         ASSERT_GT(outcome.counters.subdivisions, 0U);
         const MeasuredPoint& farthest = outcome.farthest.point;
         EXPECT_TRUE(alone.is_near(farthest.point, outcome.farthest.level)) << i;
@@ -419,7 +419,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
 }
 
 // Points inside a piece are rounded when they are moved back from local coordinates, most of all far from the origin.
-TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
+TEST(CoverWork, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     Random random(54);
     int off_a = 0;
     for (int i = 0; i < 60; ++i) {
@@ -430,8 +430,8 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
             rim.vertices.row(v) = away + 2 * p;
         }
         Alone alone({away + random.vector(), away + random.vector(), away + random.vector()}, rim, 1e-9);
-        alone.worker().decide(alone.piece(0));
-        const CoverOutcome outcome = alone.worker().finish();
+        alone.work().decide(alone.piece(0));
+        const CoverOutcome outcome = alone.work().finish();
         EXPECT_TRUE(alone.is_near(outcome.farthest.point.point, outcome.farthest.level)) << i;
         off_a += !alone.is_near(outcome.farthest.point.point, 0);
     }
@@ -440,12 +440,12 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
 
 // The worst of 20,000 scenes: after many cuts, the farthest point is more than 3 * u * M off A. Conversion from local
 // coordinates explains less than 2 * u * M.
-TEST(CoverWorker, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
+TEST(CoverWork, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
     for (const std::uint64_t seed : {107216, 117211, 118560}) {
         const AcrossThePlace scene(seed);
         Alone alone(scene.a, scene.b, 1e-9, 2);
-        alone.worker().decide(alone.piece(0));
-        const Farthest farthest = alone.worker().finish().farthest;
+        alone.work().decide(alone.piece(0));
+        const Farthest farthest = alone.work().finish().farthest;
         EXPECT_TRUE(alone.is_near(farthest.point.point, farthest.level)) << seed;
         EXPECT_FALSE(alone.is_near(farthest.point.point, 1)) << seed;
     }

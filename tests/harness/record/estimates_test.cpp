@@ -1,5 +1,5 @@
 // Medians and ratios against values computed by hand.
-#include "harness/record/statistics.h"
+#include "harness/record/estimates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Does one part of the work of threshold cover (meshes/cover/cover.cpp): shows that triangles of A are within a
 // threshold of B, in single precision, or in double precision if that is not enough.
 //
-// The results depend only on the part and on the lower bound at its start. So several workers may run at once, and
+// The results depend only on the part and on the lower bound at its start. So several may run at once, and
 // their results, merged in order, are the same for any number of threads.
 #pragma once
 
@@ -19,18 +19,18 @@
 
 namespace hausbench {
 
-// Scratch buffers of a worker, a few hundred kB. They come from a pool of this thread and return to it, because
+// Scratch buffers of a CoverWork, a few hundred kB. They come from a pool of this thread and return to it, because
 // allocating them would take longer than a search in small meshes.
-class CoverRoom {
+class CoverBuffers {
 public:
     struct Covers {
         OffsetCover<float> rough;
         OffsetCover<double> exact;
     };
 
-    CoverRoom();
-    ~CoverRoom();
-    CoverRoom(CoverRoom&&) = default;
+    CoverBuffers();
+    ~CoverBuffers();
+    CoverBuffers(CoverBuffers&&) = default;
 
     Covers& operator*() const { return *covers_; }
 
@@ -38,10 +38,10 @@ private:
     std::unique_ptr<Covers> covers_;
 };
 
-class CoverWorker final : CoverHost {
+class CoverWork final : CoverHost {
 public:
-    explicit CoverWorker(const CoverInput& scene) : scene_(scene) {}
-    CoverWorker(CoverWorker&&) = default;
+    explicit CoverWork(const CoverInput& scene) : scene_(scene) {}
+    CoverWork(CoverWork&&) = default;
 
     // Starts a new part. `farthest` gives the lower bound, `settled` is the largest upper bound accepted so far, and
     // `budget` is the number of cuts left. If `stopped`, the search has already ended, and everything in the part is
@@ -113,9 +113,9 @@ private:
     bool within_floor_ = false;  // whether h(A,B) may still be proven to be at most the floor, which is the cutoff
     std::uint64_t budget_ = 0;
     std::optional<Status> stop_;
-    CoverRoom room_;
-    OffsetCover<float>& cover_ = (*room_).rough;
-    OffsetCover<double>& exact_ = (*room_).exact;
+    CoverBuffers buffers_;
+    OffsetCover<float>& cover_ = (*buffers_).rough;
+    OffsetCover<double>& exact_ = (*buffers_).exact;
     std::vector<CoverPiece> pieces_, again_;
     std::size_t batch_ = 0;     // number of pieces to cover together next
     std::size_t gathered_ = 0;  // largest number of triangles of B gathered for a part of the last batch

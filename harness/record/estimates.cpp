@@ -1,4 +1,4 @@
-#include "harness/record/statistics.h"
+#include "harness/record/estimates.h"
 
 #include <boost/math/distributions/binomial.hpp>
 

@@ -12,7 +12,7 @@ from synthetic import ResultFile
 
 from analysis import schema
 from analysis.shared.load import load
-from analysis.shared.statistics import (
+from analysis.shared.estimates import (
     Estimate,
     by_round,
     coverage_of_rank,
@@ -50,7 +50,7 @@ def test_median_of_an_even_number() -> None:
 
 
 def test_the_program_gives_the_same_intervals(tmp_path: Path) -> None:
-    """`hausbench show` computes its intervals in harness/record/statistics.cpp."""
+    """`hausbench show` computes its intervals in harness/record/estimates.cpp."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     rng, file = np.random.default_rng(20), ResultFile("intervals")
