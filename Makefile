@@ -129,12 +129,16 @@ types: $(DEPS)  ## run mypy
 tidy: $(DEPS)  ## run clang-tidy
 	@command -v clang-tidy > /dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }; cmake --preset debug > /dev/null
 	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(SOURCES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/debug --quiet
-format: $(DEPS)  ## run clang-format 14 on all C++ files: other versions format otherwise
-	@clang-format --version | grep -q ' version 14\.' || { echo 'format: this needs clang-format 14, which Debian 12 has' >&2; exit 1; }
+# Other versions format otherwise. These two are those of Debian 12.
+FORMATTERS = clang-format --version | grep -q ' version 14\.' && black --version | grep -q 'black, 23\.1\.'
+PYTHON_FILES = $(sort $(shell find analysis bench datasets docs experiments python tests tools setup.py -name '*.py')) tools/bundle tools/formats tools/wheel
+format: $(DEPS)  ## run clang-format 14 on all C++ files, black 23.1 on all Python files
+	@$(FORMATTERS) || { echo 'format: this needs clang-format 14 and black 23.1, which Debian 12 has' >&2; exit 1; }
 	clang-format -i $(SOURCES) $(HEADERS)
-format-check: $(DEPS)  ## show the lines that make format would change, and fail if there are any; skipped where clang-format is not version 14
-	@if clang-format --version | grep -q ' version 14\.'; then clang-format --dry-run --Werror $(SOURCES) $(HEADERS); \
-	else echo "format-check: skipped: version 14 decides, and here is $$(clang-format --version)"; fi
+	black -q $(PYTHON_FILES)
+format-check: $(DEPS)  ## show the lines that make format would change, and fail if there are any; skipped where the formatters have other versions
+	@if $(FORMATTERS); then clang-format --dry-run --Werror $(SOURCES) $(HEADERS) && black -q --diff --check $(PYTHON_FILES); \
+	else echo "format-check: skipped: clang-format 14 and black 23.1 decide, which Debian 12 has"; fi
 
 # --- has anything become slower? -------------------------------------------------------------------------------------
 

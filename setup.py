@@ -1,6 +1,8 @@
-"""Builds the Python package: CMake makes python/hausbench/_core and libhausbench.so, and setuptools packs them. Says which packages are missing.
+"""Builds the Python package: CMake makes python/hausbench/_core and libhausbench.so, and setuptools
+packs them. Says which packages are missing.
 
-HAUSBENCH_LIBRARY=build/release/library/libhausbench.so takes a library that is built, instead of building one in build/package.
+HAUSBENCH_LIBRARY=build/release/library/libhausbench.so takes a library that is built, instead of
+building one in build/package.
 """
 
 from __future__ import annotations
@@ -19,22 +21,42 @@ ROOT = Path(__file__).resolve().parent
 
 
 def version() -> str:
-    found = re.search(r"project\(hausbench VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
+    found = re.search(
+        r"project\(hausbench VERSION ([\d.]+)",
+        (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"),
+    )
     assert found
     return found[1]
 
 
-GROUPS = ("building", "libraries of the C library and of the Python package", "the Python package")  # of packages.txt
+GROUPS = (
+    "building",
+    "libraries of the C library and of the Python package",
+    "the Python package",
+)  # of packages.txt
 
 
 def missing_packages() -> list[str]:
-    """Returns the Debian packages for building that are not installed; all of them on another system."""
-    groups = re.split(r"^# ", (ROOT / "packages.txt").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    lines = [line for group in groups for title, _, rest in [group.partition("\n")] if title in GROUPS for line in rest.splitlines()]
+    """Returns the Debian packages for building that are not installed; all of them on another
+    system."""
+    groups = re.split(
+        r"^# ", (ROOT / "packages.txt").read_text(encoding="utf-8"), flags=re.MULTILINE
+    )
+    lines = [
+        line
+        for group in groups
+        for title, _, rest in [group.partition("\n")]
+        if title in GROUPS
+        for line in rest.splitlines()
+    ]
     wanted = [name for line in lines if (name := line.partition("#")[0].strip())]
     if not shutil.which("dpkg-query"):
         return wanted
-    listed = subprocess.run(["dpkg-query", "-W", "-f=${db:Status-Status} ${Package}\n", *wanted], capture_output=True, text=True).stdout
+    listed = subprocess.run(
+        ["dpkg-query", "-W", "-f=${db:Status-Status} ${Package}\n", *wanted],
+        capture_output=True,
+        text=True,
+    ).stdout
     return [name for name in wanted if f"installed {name}" not in listed.splitlines()]
 
 
@@ -45,8 +67,14 @@ def cmake(*arguments: object, environment: dict[str, str]) -> None:
     except (OSError, subprocess.CalledProcessError) as error:
         if not (missing := missing_packages()):
             raise
-        how = "sudo apt-get install --no-install-recommends" if shutil.which("dpkg-query") else "on Debian: apt-get install --no-install-recommends"
-        sys.exit(f"hausbench could not be built ({error}). These packages are missing:\n  {how} {' '.join(missing)}")
+        how = (
+            "sudo apt-get install --no-install-recommends"
+            if shutil.which("dpkg-query")
+            else "on Debian: apt-get install --no-install-recommends"
+        )
+        sys.exit(
+            f"hausbench could not be built ({error}). These packages are missing:\n  {how} {' '.join(missing)}"
+        )
 
 
 class CMakeBuild(build_ext):
@@ -63,14 +91,37 @@ class CMakeBuild(build_ext):
         if library:
             options.append(f"-DHAUSBENCH_LIBRARY={(ROOT / library).resolve()}")
         else:
-            options += ["-DHAUSBENCH_WITH_PROGRAM=OFF", "-DHAUSBENCH_WITH_PYTHON=ON", "-DCMAKE_UNITY_BUILD=ON"]
-        environment = {**os.environ, "CCACHE_BASEDIR": str(ROOT), "CCACHE_DEPEND": "1", "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
-        cmake("-S", ROOT / "python" if library else ROOT, "-B", folder, *options, environment=environment)
+            options += [
+                "-DHAUSBENCH_WITH_PROGRAM=OFF",
+                "-DHAUSBENCH_WITH_PYTHON=ON",
+                "-DCMAKE_UNITY_BUILD=ON",
+            ]
+        environment = {
+            **os.environ,
+            "CCACHE_BASEDIR": str(ROOT),
+            "CCACHE_DEPEND": "1",
+            "CCACHE_SLOPPINESS": "pch_defines,time_macros",
+        }
+        cmake(
+            "-S",
+            ROOT / "python" if library else ROOT,
+            "-B",
+            folder,
+            *options,
+            environment=environment,
+        )
         jobs = os.environ.get("JOBS") or str(os.cpu_count() or 1)
-        cmake("--build", folder, "-j", jobs, "--target", "hausbench_python", environment=environment)
-        target = ROOT / "python" / "hausbench" if self.inplace else Path(self.build_lib) / "hausbench"
+        cmake(
+            "--build", folder, "-j", jobs, "--target", "hausbench_python", environment=environment
+        )
+        target = (
+            ROOT / "python" / "hausbench" if self.inplace else Path(self.build_lib) / "hausbench"
+        )
         target.mkdir(parents=True, exist_ok=True)
-        for file in [*(folder / "python/hausbench").glob("_core*.so"), *(folder / "python/hausbench").glob("libhausbench.so*")]:
+        for file in [
+            *(folder / "python/hausbench").glob("_core*.so"),
+            *(folder / "python/hausbench").glob("libhausbench.so*"),
+        ]:
             shutil.copy2(file, target)
 
 

@@ -1,7 +1,8 @@
 """Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`.
 
-A STEM is the name of an experiment. Reads <results>/STEM.h5 with the script that stems.module_of() finds. Also draws
-all other stems whose scripts use these results; such a stem can be named alone, too.
+A STEM is the name of an experiment. Reads <results>/STEM.h5 with the script that stems.module_of()
+finds. Also draws all other stems whose scripts use these results; such a stem can be named alone,
+too.
 """
 
 from __future__ import annotations
@@ -29,9 +30,11 @@ from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 def draw(stem: str, folder: Path, out: Path) -> int:
-    """Draws a stem, prints what was written, and returns the exit code: 2 if the result file is unusable.
+    """Draws a stem, prints what was written, and returns the exit code: 2 if the result file is
+    unusable.
 
-    Rows whose models are missing are left out. If the others are not enough for a table or a figure, says what is missing.
+    Rows whose models are missing are left out. If the others are not enough for a table or a
+    figure, says what is missing.
     """
     lacking = ""
     try:
@@ -53,13 +56,19 @@ def draw(stem: str, folder: Path, out: Path) -> int:
         print(printable(str(problem)), file=sys.stderr)
         return 2
     except OSError as problem:
-        print(printable(f"{stem}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
+        print(
+            printable(
+                f"{stem}: cannot be drawn: {problem}: make room, or choose another folder with --out"
+            ),
+            file=sys.stderr,
+        )
         return 2
     return 0
 
 
 def draw_apart(stem: str, folder: Path, out: Path, to: Connection) -> None:
-    """Draws a stem and sends the exit code and what was printed; an error in its script becomes part of that."""
+    """Draws a stem and sends the exit code and what was printed; an error in its script becomes
+    part of that."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a traceback
     said, complained = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
@@ -72,7 +81,8 @@ def draw_apart(stem: str, folder: Path, out: Path, to: Connection) -> None:
 
 
 def outcome(stem: str, ready: Connection, process: BaseProcess) -> tuple[int, str, str]:
-    """Returns what draw_apart() sent, or the reason why its process sent nothing; waits for the end of the process."""
+    """Returns what draw_apart() sent, or the reason why its process sent nothing; waits for the end
+    of the process."""
     with ready:
         try:
             sent: tuple[int, str, str] | None = ready.recv()
@@ -83,9 +93,11 @@ def outcome(stem: str, ready: Connection, process: BaseProcess) -> tuple[int, st
 
 
 def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
-    """Draws each stem in a process of its own, so that none sees the looks that another gave to solvers (style.introduce).
+    """Draws each stem in a process of its own, so that none sees the looks that another gave to
+    solvers (style.introduce).
 
-    Prints what they say in the order of `stems`, and returns the largest exit code; 1 for a process that was killed.
+    Prints what they say in the order of `stems`, and returns the largest exit code; 1 for a process
+    that was killed.
     """
     context, most = multiprocessing.get_context("fork"), min(8, len(os.sched_getaffinity(0)))
     waiting, running = list(enumerate(stems)), dict[Connection, tuple[int, BaseProcess]]()
@@ -111,11 +123,27 @@ def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draws the stems and returns the exit code, which is not 0 if one could not be drawn; that does not stop the others."""
-    parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
-    parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (default: results)")
+    """Draws the stems and returns the exit code, which is not 0 if one could not be drawn; that
+    does not stop the others."""
+    parser = argparse.ArgumentParser(
+        prog="analysis",
+        description="Draws figures and tables of experiments from their result files.",
+    )
+    parser.add_argument(
+        "stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3"
+    )
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        help="folder of the .h5 files (default: results)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("results"),
+        help="figures/ and tables/ go there (default: results)",
+    )
     chosen = parser.parse_args(arguments)
     if len(chosen.stems) == 1:
         return draw(chosen.stems[0], chosen.results, chosen.out)

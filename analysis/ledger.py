@@ -1,10 +1,11 @@
-"""Summarises the ledgers of results/*.h5, which list the work that runs skipped, why, and the time saved.
+"""Summarises the ledgers of results/*.h5, which list the work that runs skipped, why, and the time
+saved.
 
     python3 -m analysis.ledger    writes results/figures/ledger.* and results/tables/ledger.*, and prints the totals
 
-A saving that could not be measured, such as the time to build a structure that was never built, is "not measured" in
-the table and 0 in sums. If there is a result S.everything.h5 (from `run --leave-nothing-out`) beside S.h5, the table
-says how many answers are equal.
+A saving that could not be measured, such as the time to build a structure that was never built, is
+"not measured" in the table and 0 in sums. If there is a result S.everything.h5 (from `run
+--leave-nothing-out`) beside S.h5, the table says how many answers are equal.
 """
 
 from __future__ import annotations
@@ -25,19 +26,26 @@ from analysis.shared.load import each, load_all
 from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
-# By `what`, or else `kind`, of the ledger's entries: title in the table, colour and hatch of the bar.
-KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer run", "#56B4E9", ""),
-                "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
-                "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
-                "not_prepared": ("structures that the scene does not need", "#CC79A7", "xx"),
-                "not_run": ("cases that a solver does not take, and references not requested", "#999999", ".."),
-                "not_built": ("solvers that this build does not have", "#0072B2", "++"),
-                "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
-                "reference": ("nothing: time spent on reference answers", "#000000", "")}
-CAPTION: Final = ("Time in solvers of each experiment, s, and the time saved by not measuring again and not building. In brackets: the number of entries in "
-                  "its ledger; an entry whose saving was not measured adds nothing.")
+# By `what`, or else `kind`, of the ledger's entries: title in the table, colour and hatch of the
+# bar.
+KINDS: Final = {
+    "coarser tolerances": ("tolerances read off the trace of a finer run", "#56B4E9", ""),
+    "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
+    "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
+    "not_prepared": ("structures that the scene does not need", "#CC79A7", "xx"),
+    "not_run": ("cases that a solver does not take, and references not requested", "#999999", ".."),
+    "not_built": ("solvers that this build does not have", "#0072B2", "++"),
+    "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
+    "reference": ("nothing: time spent on reference answers", "#000000", ""),
+}
+CAPTION: Final = (
+    "Time in solvers of each experiment, s, and the time saved by not measuring again and not building. In brackets: the number of entries in "
+    "its ledger; an entry whose saving was not measured adds nothing."
+)
 LEAST: Final = 1.0  # seconds: shorter bars are not drawn
-COSTS: Final = ("reference",)  # kinds that cost time (their saving is negative), which is added to Stem.run
+COSTS: Final = (
+    "reference",
+)  # kinds that cost time (their saving is negative), which is added to Stem.run
 NOT_LEFT_OUT: Final = (*COSTS, "prepared_again")  # kinds that say why work was done
 EVERYTHING: Final = ".everything.h5"
 
@@ -47,8 +55,12 @@ class Stem:
     name: str
     run: float  # seconds in solvers: structures, first answers, repeats
     entries: Counter[str] = field(default_factory=Counter)  # by key of KINDS
-    unknown: Counter[str] = field(default_factory=Counter)  # the number of these whose saving was not measured
-    saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, by key of KINDS
+    unknown: Counter[str] = field(
+        default_factory=Counter
+    )  # the number of these whose saving was not measured
+    saved: dict[str, float] = field(
+        default_factory=lambda: defaultdict(float)
+    )  # seconds, by key of KINDS
     reasons: dict[str, Counter[str]] = field(default_factory=dict)
     proof: str = ""
 
@@ -68,17 +80,31 @@ def seconds_run(results: Results) -> float:
     A structure counts once per process, even if many poses use it.
     """
     cases, prepared = results.cases, results.preparation
-    built = {(cases.label[case], cases.scene[case], number, name, seconds)
-             for case, number, name, seconds, shared in zip(prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared) if not shared}
-    return float(np.nansum(results.answers.wall_seconds) + np.nansum(results.repeats.wall_seconds * results.repeats.iterations)
-                 + sum(seconds for *_, seconds in built if np.isfinite(seconds)))
+    built = {
+        (cases.label[case], cases.scene[case], number, name, seconds)
+        for case, number, name, seconds, shared in zip(
+            prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared
+        )
+        if not shared
+    }
+    return float(
+        np.nansum(results.answers.wall_seconds)
+        + np.nansum(results.repeats.wall_seconds * results.repeats.iterations)
+        + sum(seconds for *_, seconds in built if np.isfinite(seconds))
+    )
 
 
 def same_answers(one: Results, other: Results) -> tuple[int, int]:
-    """Returns the number of rows with equal bounds in both results, and the number of rows in both."""
+    """Returns the number of rows with equal bounds in both results, and the number of rows in
+    both."""
+
     def bounds(results: Results) -> dict[tuple[Any, ...], tuple[float, float]]:
         cases = results.cases
-        return {(cases.identity[i], cases.scene[i], cases.label[i]): (cases.lower[i], cases.upper[i]) for i in range(len(cases)) if results.is_bounded(i)}
+        return {
+            (cases.identity[i], cases.scene[i], cases.label[i]): (cases.lower[i], cases.upper[i])
+            for i in range(len(cases))
+            if results.is_bounded(i)
+        }
 
     ours, theirs = bounds(one), bounds(other)
     both = ours.keys() & theirs.keys()
@@ -89,7 +115,9 @@ def read(results: Results) -> Stem:
     path = results.path
     found = Stem(path.stem, seconds_run(results))
     ledger = results.ledger
-    for kind, what, reason, seconds in zip(ledger.kind, ledger.what, ledger.reason, ledger.seconds_saved):
+    for kind, what, reason, seconds in zip(
+        ledger.kind, ledger.what, ledger.reason, ledger.seconds_saved
+    ):
         key = what if what in KINDS and kind != "prepared_again" else kind
         found.entries[key] += 1
         found.saved[key] += float(seconds) if np.isfinite(seconds) else 0.0
@@ -107,7 +135,9 @@ def stems_in(folder: Path) -> list[Stem]:
 
     Prints a line for a damaged file and skips it. Raises ResultError if nothing is left.
     """
-    found = each(load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem), read)
+    found = each(
+        load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem), read
+    )
     if not found:
         raise ResultError(f"{folder}: no results: make them with 'make experiments'")
     return by_time(found)
@@ -119,7 +149,12 @@ def by_time(stems: Sequence[Stem]) -> list[Stem]:
 
 
 def table(stems: Sequence[Stem]) -> tables.Table:
-    entries, unknown, saved, reasons = Counter[str](), Counter[str](), defaultdict[str, float](float), dict[str, Counter[str]]()
+    entries, unknown, saved, reasons = (
+        Counter[str](),
+        Counter[str](),
+        defaultdict[str, float](float),
+        dict[str, Counter[str]](),
+    )
     for stem in stems:
         entries += stem.entries
         unknown += stem.unknown
@@ -127,18 +162,41 @@ def table(stems: Sequence[Stem]) -> tables.Table:
             saved[key] += seconds
         for key, texts in stem.reasons.items():
             reasons.setdefault(key, Counter()).update(texts)
-    known = [key for key in KINDS if entries[key]] + sorted(key for key in entries if key not in KINDS)
-    rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", seconds_text(saved[key], unknown[key], entries[key])] for key in known]
+    known = [key for key in KINDS if entries[key]] + sorted(
+        key for key in entries if key not in KINDS
+    )
+    rows = [
+        [
+            KINDS[key][0] if key in KINDS else key,
+            _most(reasons[key]),
+            f"{entries[key]:,}",
+            seconds_text(saved[key], unknown[key], entries[key]),
+        ]
+        for key in known
+    ]
     proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
-    return tables.Table("Work that all runs skipped, why skipping it is safe, and the seconds saved (negative: seconds spent).",
-                        ["left out", "the most common reason", "entries", "s"], rows,
-                        ["Not measured: a structure or case that was never built or run has no time; such an "
-                         "entry counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
-                         "table then says how many answers are the same.")] + proofs, left=2)
+    return tables.Table(
+        "Work that all runs skipped, why skipping it is safe, and the seconds saved (negative: seconds spent).",
+        ["left out", "the most common reason", "entries", "s"],
+        rows,
+        [
+            "Not measured: a structure or case that was never built or run has no time; such an "
+            "entry counts as zero."
+            + (
+                ""
+                if proofs
+                else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
+                "table then says how many answers are the same."
+            )
+        ]
+        + proofs,
+        left=2,
+    )
 
 
 def seconds_text(saved: float, unknown: int, entries: int) -> str:
-    """Returns '1.50 (3 not measured)': the seconds saved, and the number of entries that this sum lacks."""
+    """Returns '1.50 (3 not measured)': the seconds saved, and the number of entries that this sum
+    lacks."""
     if unknown == entries:
         return "not measured"
     return numerals.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
@@ -150,13 +208,19 @@ def _most(reasons: Counter[str]) -> str:
 
 
 def line(stems: Sequence[Stem]) -> str:
-    entries, saved, run = (sum(values) for values in zip(*((stem.left_out, stem.seconds_saved, stem.run) for stem in stems)))
+    entries, saved, run = (
+        sum(values)
+        for values in zip(*((stem.left_out, stem.seconds_saved, stem.run) for stem in stems))
+    )
     return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers and on reference answers"
 
 
 def draw(stems: Sequence[Stem]) -> Any:
-    """Draws one bar per experiment: time in solvers, then time saved by kind. Bars below LEAST seconds are left out."""
-    short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [stem for stem in stems if stem.run + stem.seconds_saved >= LEAST]
+    """Draws one bar per experiment: time in solvers, then time saved by kind. Bars below LEAST
+    seconds are left out."""
+    short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [
+        stem for stem in stems if stem.run + stem.seconds_saved >= LEAST
+    ]
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])
     ax.barh(places, left, color="#333333", height=0.7, label="time in solvers")
@@ -164,20 +228,42 @@ def draw(stems: Sequence[Stem]) -> Any:
         saved = np.array([stem.saved[key] for stem in stems])
         if key in COSTS or not (saved > 0).any():
             continue
-        ax.barh(places, saved, left=left, color=colour, hatch=hatch, height=0.7, edgecolor="white", linewidth=0.3, label=f"saved: {title}")
+        ax.barh(
+            places,
+            saved,
+            left=left,
+            color=colour,
+            hatch=hatch,
+            height=0.7,
+            edgecolor="white",
+            linewidth=0.3,
+            label=f"saved: {title}",
+        )
         left = left + saved
     ax.set_yticks(places, [f"{stem.name} ({stem.left_out:,})" for stem in stems], fontsize=6)
     left_out = f"; {short} experiments of less than {LEAST:g} s are not shown" if short else ""
-    ax.set(xlabel=f"s in solvers, and s saved (in brackets: entries in the ledger){left_out}", ylim=(len(stems) - 0.4, -0.6))
+    ax.set(
+        xlabel=f"s in solvers, and s saved (in brackets: entries in the ledger){left_out}",
+        ylim=(len(stems) - 0.4, -0.6),
+    )
     ax.tick_params(axis="y", length=0)
     ax.legend(loc="lower right", fontsize=6.5)
     return figure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.ledger", description="Lists the work that all runs left out.")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
-    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
+    parser = argparse.ArgumentParser(
+        prog="analysis.ledger", description="Lists the work that all runs left out."
+    )
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        help="folder of the .h5 files (default: results)",
+    )
+    parser.add_argument(
+        "--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)"
+    )
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
     try:
@@ -186,10 +272,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(problem, file=sys.stderr)
         return 2
     found = table(stems)
-    records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "entries_not_measured": stem.unknown[key],
-                                     "seconds_saved": stem.saved[key] if stem.unknown[key] < stem.entries[key] else float("nan")}
-                                    for stem in stems for key in stem.entries]
-    for path in [*table_files.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", CAPTION), *save_caption(CAPTION, out, "ledger")]:
+    records: list[tables.Record] = [
+        {
+            "stem": stem.name,
+            "seconds_in_solvers": stem.run,
+            "kind": key,
+            "entries": stem.entries[key],
+            "entries_not_measured": stem.unknown[key],
+            "seconds_saved": stem.saved[key]
+            if stem.unknown[key] < stem.entries[key]
+            else float("nan"),
+        }
+        for stem in stems
+        for key in stem.entries
+    ]
+    for path in [
+        *table_files.save(found, records, out, "ledger"),
+        *save_figure(draw(stems), out, "ledger", CAPTION),
+        *save_caption(CAPTION, out, "ledger"),
+    ]:
         print(path)
     print(line(stems))
     return 0

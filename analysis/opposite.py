@@ -1,6 +1,8 @@
-"""Lists the verdicts in DIR/tables that contradict those in results/reference: `python3 -m analysis.opposite [--out DIR]`.
+"""Lists the verdicts in DIR/tables that contradict those in results/reference: `python3 -m
+analysis.opposite [--out DIR]`.
 
-Verdicts that this run did not test (analysis/shared/sizes.py) are not compared. `make experiments` runs it last.
+Verdicts that this run did not test (analysis/shared/sizes.py) are not compared. `make experiments`
+runs it last.
 """
 
 from __future__ import annotations
@@ -23,20 +25,38 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 
 
 def opposites(now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[str]:
-    """Returns a line for each claim whose outcome now is the opposite of the kept one ('holds', 'does not hold')."""
+    """Returns a line for each claim whose outcome now is the opposite of the kept one ('holds',
+    'does not hold')."""
     before = {_key(one): str(one["outcome"]) for one in kept}
-    return [f"{one['stem']}: {one['place']}{': ' if one['place'] else ''}{one['claim']}: {one['outcome']} here ({one['evidence']}), "
-            f"{before[_key(one)]} in results/reference"
-            for one in now if OPPOSITE.get(str(one["outcome"])) == before.get(_key(one), "") != ""]
+    return [
+        f"{one['stem']}: {one['place']}{': ' if one['place'] else ''}{one['claim']}: {one['outcome']} here ({one['evidence']}), "
+        f"{before[_key(one)]} in results/reference"
+        for one in now
+        if OPPOSITE.get(str(one["outcome"])) == before.get(_key(one), "") != ""
+    ]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.opposite", description="Lists the verdicts that are opposite to those in results/reference.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (default: results)")
+    parser = argparse.ArgumentParser(
+        prog="analysis.opposite",
+        description="Lists the verdicts that are opposite to those in results/reference.",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("results"),
+        help="folder that has tables/ (default: results)",
+    )
     tables = parser.parse_args(arguments).out / "tables"
-    now, kept = ([one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)] for folder in (tables, REFERENCE))
+    now, kept = (
+        [one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)]
+        for folder in (tables, REFERENCE)
+    )
     lines = opposites(now, kept)
-    print(*lines or [f"no verdict is opposite to a kept one ({len(now)} verdicts, {len(kept)} kept)"], sep="\n")
+    print(
+        *lines or [f"no verdict is opposite to a kept one ({len(now)} verdicts, {len(kept)} kept)"],
+        sep="\n",
+    )
     return 0
 
 

@@ -2,12 +2,14 @@
 
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
-writes results/reference/zhang2017_paper_profile.md. A single experiment, such as points_speed, is stored in
-points_speed.md, and the group `corpus`, which has no paper, in corpus.md (from its profile `corpus`).
+writes results/reference/zhang2017_paper_profile.md. A single experiment, such as points_speed, is
+stored in points_speed.md, and the group `corpus`, which has no paper, in corpus.md (from its
+profile `corpus`).
 
-Verdicts go to NAME.verdicts.json, and times for README's table of winners to NAME.times.json. Experiments without a
-result here keep what was stored, so that a paper can be measured in parts. The section `What it says` is written by
-hand and stays. Afterwards, README's table of winners, the pages of claims and their picture are made again.
+Verdicts go to NAME.verdicts.json, and times for README's table of winners to NAME.times.json.
+Experiments without a result here keep what was stored, so that a paper can be measured in parts.
+The section `What it says` is written by hand and stays. Afterwards, README's table of winners, the
+pages of claims and their picture are made again.
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ class Kept:
     """The contents of a file in results/reference, parsed."""
 
     machines: list[str] = field(default_factory=list)
-    rows: dict[str, str] = field(default_factory=dict)  # by stem; a line of the table at the head of the file
+    rows: dict[str, str] = field(
+        default_factory=dict
+    )  # by stem; a line of the table at the head of the file
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
     times: list[claims.Record] = field(default_factory=list)
@@ -50,7 +54,9 @@ def kept_of(path: Path) -> Kept:
     if not path.exists():
         return kept
     head, *sections = path.read_text(encoding="utf-8").split("\n## ")
-    rows = {match[1]: line for line in head.splitlines() if (match := re.match(r"\| (\w+) \| \d", line))}
+    rows = {
+        match[1]: line for line in head.splitlines() if (match := re.match(r"\| (\w+) \| \d", line))
+    }
     for section in sections:
         stem, _, body = section.partition("\n")
         if stem == SAYS:
@@ -66,6 +72,7 @@ def kept_of(path: Path) -> Kept:
 
 def in_order(group: str, stems: set[str]) -> list[str]:
     """Sorts stems: tables before figures, each by number."""
+
     def order(stem: str) -> tuple[str, int]:
         match = re.search(r"([a-z_]+)(\d*)$", stem.removeprefix(group))
         word, number = (match[1], match[2]) if match else ("", "")
@@ -75,9 +82,17 @@ def in_order(group: str, stems: set[str]) -> list[str]:
 
 
 def stems_of(group: str, folder: Path) -> list[str]:
-    """Returns the stems of the group that have results: those named after it, and those in its folder of experiments."""
+    """Returns the stems of the group that have results: those named after it, and those in its
+    folder of experiments."""
     beside = {file.stem for file in (paper_page.ROOT / "experiments" / group).glob("*.toml")}
-    return in_order(group, {path.stem for path in folder.glob("*.h5") if path.stem in beside or f"{path.stem}_".startswith(f"{group}_")})
+    return in_order(
+        group,
+        {
+            path.stem
+            for path in folder.glob("*.h5")
+            if path.stem in beside or f"{path.stem}_".startswith(f"{group}_")
+        },
+    )
 
 
 def whole_profile(group: str) -> str:
@@ -85,43 +100,74 @@ def whole_profile(group: str) -> str:
 
 
 def check(results: Results) -> Results:
-    """Returns the results if they can be kept: of the whole profile, with no row missing, of the kept shapes. Otherwise raises ResultError."""
+    """Returns the results if they can be kept: of the whole profile, with no row missing, of the
+    kept shapes. Otherwise raises ResultError."""
     whole = whole_profile(results.stem)
     if results.meta.get("profile") != whole:
-        raise ResultError(f"{results.path}: has profile '{results.meta.get('profile')}': measure it with 'make {results.stem} PROFILE={whole}'")
+        raise ResultError(
+            f"{results.path}: has profile '{results.meta.get('profile')}': measure it with 'make {results.stem} PROFILE={whole}'"
+        )
     if lacking := missing.note(results):
         raise ResultError(f"{results.path}: cannot be kept: {lacking}")
     unlike.expect_none(results)
     return results
 
 
-def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record], list[tables.Record]]:
-    """Returns the file's text, verdicts and times: new ones for stems with results, kept ones for the others."""
+def files_of(
+    group: str, folder: Path, kept: Kept
+) -> tuple[str, list[claims.Record], list[tables.Record]]:
+    """Returns the file's text, verdicts and times: new ones for stems with results, kept ones for
+    the others."""
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
-        raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")
+        raise ResultError(
+            f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'"
+        )
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
     rows, texts, judged = dict(kept.rows), dict(kept.tables), list[claims.Record]()
     timed = [one for one in kept.times if one["stem"] not in stems]
     for stem, results in zip(stems, all_results):
-        counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
-        rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
-                      f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
+        counts = {
+            status: int((results.cases.status == status).sum())
+            for status in sorted(set(results.cases.status))
+        }
+        rows[stem] = (
+            f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
+            f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |"
+        )
         style.introduce(results)
-        reports: dict[str, Report] = {each: importlib.import_module(module_of(each)).make(results) for each in drawn_with(stem)}
-        made = {each: table for each, report in reports.items() if (table := report.printed(results, each))}
+        reports: dict[str, Report] = {
+            each: importlib.import_module(module_of(each)).make(results)
+            for each in drawn_with(stem)
+        }
+        made = {
+            each: table
+            for each, report in reports.items()
+            if (table := report.printed(results, each))
+        }
         texts[stem] = "\n\n".join(tables.markdown(table).strip("\n") for table in made.values())
-        judged += [one for each, table in made.items() for one in claims.records(table.verdicts, each, whole)]
+        judged += [
+            one
+            for each, table in made.items()
+            for one in claims.records(table.verdicts, each, whole)
+        ]
         if stem in winners.RACES:
             timed += winners.times(reports[stem].records, results)
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
     by_hand = f', but for "{SAYS}"' if kept.says else ""
-    parts = [f"# {group}, profile `{whole}`", "",
-             f"Measured here, and written by `make {group} PROFILE={whole} && python3 -m analysis.paper_profile {group}`. "
-             f"Nothing below is edited by hand{by_hand}.", "", *[f"- {line}" for line in sorted(machines)], "",
-             "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
+    parts = [
+        f"# {group}, profile `{whole}`",
+        "",
+        f"Measured here, and written by `make {group} PROFILE={whole} && python3 -m analysis.paper_profile {group}`. "
+        f"Nothing below is edited by hand{by_hand}.",
+        "",
+        *[f"- {line}" for line in sorted(machines)],
+        "",
+        "| stem | begun (UTC) | ended (UTC) | rows |",
+        "|---|---|---|---|",
+    ]
     ordered = in_order(group, set(rows))
     parts += [rows[stem] for stem in ordered]
     if kept.says:
@@ -130,16 +176,34 @@ def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Rec
         parts += ["", f"## {stem}", "", texts[stem]]
     judged += [one for one in kept.verdicts if results_of(str(one["stem"])) not in stems]
     place = {stem: i for i, stem in enumerate(ordered)}
-    return "\n".join(parts) + "\n", sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place))), timed
+    return (
+        "\n".join(parts) + "\n",
+        sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place))),
+        timed,
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.paper_profile", description="Keeps the tables of a paper's profile.")
+    parser = argparse.ArgumentParser(
+        prog="analysis.paper_profile", description="Keeps the tables of a paper's profile."
+    )
     parser.add_argument("group", help="a group such as zhang2017, or a stem")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
-    parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (default: results/reference)")
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        help="folder of the .h5 files (default: results)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=REFERENCE,
+        help="folder to write to (default: results/reference)",
+    )
     chosen = parser.parse_args(arguments)
-    single = stems_of(chosen.group, chosen.results) == [chosen.group] or chosen.group == whole_profile(chosen.group)
+    single = stems_of(chosen.group, chosen.results) == [
+        chosen.group
+    ] or chosen.group == whole_profile(chosen.group)
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     try:
         text, judged, timed = files_of(chosen.group, chosen.results, kept_of(path))

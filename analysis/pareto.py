@@ -1,9 +1,9 @@
-"""Tells whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover]
-[--results DIR]`.
+"""Tells whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto
+STEM [--solver cover] [--results DIR]`.
 
-A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell if a certified solver is faster (by
-separated times) and its gap is at most as large. The cell is open if times of such a rival are not separated or not
-comparable.
+A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell if a certified
+solver is faster (by separated times) and its gap is at most as large. The cell is open if times of
+such a rival are not separated or not comparable.
 """
 
 from __future__ import annotations
@@ -42,15 +42,22 @@ class Cell:
 
     @property
     def beaten_by(self) -> tuple[Rival, ...]:
-        return tuple(rival for rival in self.rivals if rival.ratio.separated and rival.ratio.low > 1)
+        return tuple(
+            rival for rival in self.rivals if rival.ratio.separated and rival.ratio.low > 1
+        )
 
     def line(self) -> str:
-        worst = max(self.beaten_by or self.rivals, key=lambda rival: rival.ratio.value if rival.ratio.n else 0.0)
+        worst = max(
+            self.beaten_by or self.rivals,
+            key=lambda rival: rival.ratio.value if rival.ratio.n else 0.0,
+        )
         if not worst.ratio.n:
             return f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: no ratio to {worst.name}: {worst.ratio.reason}"
         what = "beaten by" if self.beaten_by else "not separated from"
-        return (f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: {what} {worst.name}, "
-                f"{numerals.estimate(worst.ratio)} times as fast with a gap of {numerals.number(worst.gap, 2)} instead of {numerals.number(self.gap, 2)}")
+        return (
+            f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: {what} {worst.name}, "
+            f"{numerals.estimate(worst.ratio)} times as fast with a gap of {numerals.number(worst.gap, 2)} instead of {numerals.number(self.gap, 2)}"
+        )
 
 
 def cells(results: Results, solver: str) -> list[Cell]:
@@ -60,13 +67,41 @@ def cells(results: Results, solver: str) -> list[Cell]:
     for own in results.rows(solver=solver, status="ok"):
         if {kinds.get(cases.source[own]), kinds.get(cases.target[own])} != {"mesh"}:
             continue
-        same = results.rows(scene=cases.scene[own], pose_index=cases.pose_index[own], tolerance=cases.tolerance[own], certified=1)
-        rivals = [Rival(style.title(cases.solver[row], results.names[row]),
-                        apart(origins(results, (int(own), int(row))))
-                        or ratio_by_round(results.total_by_round(int(own)), results.total_by_round(int(row))), results.gap(int(row)))
-                  for row in same if cases.solver[row] != solver and results.is_bounded(int(row)) and results.gap(int(row)) <= results.gap(int(own))]
-        near = tuple(rival for rival in rivals if (rival.ratio.n or rival.ratio.reason) and not (rival.ratio.separated and rival.ratio.high < 1))
-        found.append(Cell(cases.scene[own], int(cases.pose_index[own]), float(cases.tolerance[own]), results.gap(int(own)), near))
+        same = results.rows(
+            scene=cases.scene[own],
+            pose_index=cases.pose_index[own],
+            tolerance=cases.tolerance[own],
+            certified=1,
+        )
+        rivals = [
+            Rival(
+                style.title(cases.solver[row], results.names[row]),
+                apart(origins(results, (int(own), int(row))))
+                or ratio_by_round(
+                    results.total_by_round(int(own)), results.total_by_round(int(row))
+                ),
+                results.gap(int(row)),
+            )
+            for row in same
+            if cases.solver[row] != solver
+            and results.is_bounded(int(row))
+            and results.gap(int(row)) <= results.gap(int(own))
+        ]
+        near = tuple(
+            rival
+            for rival in rivals
+            if (rival.ratio.n or rival.ratio.reason)
+            and not (rival.ratio.separated and rival.ratio.high < 1)
+        )
+        found.append(
+            Cell(
+                cases.scene[own],
+                int(cases.pose_index[own]),
+                float(cases.tolerance[own]),
+                results.gap(int(own)),
+                near,
+            )
+        )
     return found
 
 
@@ -74,18 +109,38 @@ def judge(found: Sequence[Cell], title: str) -> Verdict:
     claim = claims.of("hausbench", "pareto", title=title, share=SHARE)
     if not found:
         return Verdict(claim, UNTESTED, "no cells")
-    beaten, unsure = sum(bool(cell.beaten_by) for cell in found), sum(bool(cell.rivals) and not cell.beaten_by for cell in found)
+    beaten, unsure = sum(bool(cell.beaten_by) for cell in found), sum(
+        bool(cell.rivals) and not cell.beaten_by for cell in found
+    )
     front = len(found) - beaten - unsure
-    outcome = HOLDS if front >= SHARE * len(found) else FAILS if front + unsure < SHARE * len(found) else OPEN
-    return Verdict(claim, outcome, f"{front} of {len(found)} cells, beaten in {beaten}, not separated in {unsure}")
+    outcome = (
+        HOLDS
+        if front >= SHARE * len(found)
+        else FAILS
+        if front + unsure < SHARE * len(found)
+        else OPEN
+    )
+    return Verdict(
+        claim,
+        outcome,
+        f"{front} of {len(found)} cells, beaten in {beaten}, not separated in {unsure}",
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.pareto", description="Lists the cells in which a solver is on the Pareto front of gap against time, and "
-                                                                         "the others.")
+    parser = argparse.ArgumentParser(
+        prog="analysis.pareto",
+        description="Lists the cells in which a solver is on the Pareto front of gap against time, and "
+        "the others.",
+    )
     parser.add_argument("stem", help="stem of the result file, such as error_vs_time")
     parser.add_argument("--solver", default="cover", help="name of the solver (default: cover)")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        help="folder of the .h5 files (default: results)",
+    )
     chosen = parser.parse_args(arguments)
     try:
         found = cells(load(chosen.results / f"{chosen.stem}.h5"), chosen.solver)

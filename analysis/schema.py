@@ -1,7 +1,8 @@
-"""Generates analysis/shared/columns.py, and the tables in results/README.md and docs/experiments.md: `python3 -m analysis.schema`.
+"""Generates analysis/shared/columns.py, and the tables in results/README.md and
+docs/experiments.md: `python3 -m analysis.schema`.
 
-Their contents come from the program (`hausbench list columns`, `list keys`). A test fails if they are out of date.
-Nothing else in analysis/ runs the program.
+Their contents come from the program (`hausbench list columns`, `list keys`). A test fails if they
+are out of date. Nothing else in analysis/ runs the program.
 """
 
 from __future__ import annotations
@@ -46,7 +47,9 @@ def program() -> Path:
 
 def listed(*what: str) -> Any:
     """Returns the parsed JSON output of `hausbench list`."""
-    done = subprocess.run([program(), "list", *what], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [program(), "list", *what], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     return json.loads(done.stdout)
 
 
@@ -56,11 +59,16 @@ def columns() -> Groups:
 
 
 def module(groups: Groups) -> str:
-    """Returns the text of columns.py: one dataclass per group, and the default of each column, for files that lack it."""
+    """Returns the text of columns.py: one dataclass per group, and the default of each column, for
+    files that lack it."""
     text = HEAD
     for group, known in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"
-        text += "".join(f"    {column['name']}: {TYPES[column['type']]}\n" for column in known if column["type"] != "count")
+        text += "".join(
+            f"    {column['name']}: {TYPES[column['type']]}\n"
+            for column in known
+            if column["type"] != "count"
+        )
         if any(column["type"] == "count" for column in known):
             text += "    counters: Counters  # every counter_* column, without the prefix\n"
             text += "\n    def __len__(self) -> int:\n        return len(self.identity)\n"
@@ -68,7 +76,11 @@ def module(groups: Groups) -> str:
             text += "\n    def __len__(self) -> int:\n        return len(self.seconds)\n"
     text += "\n\nDEFAULTS: dict[str, Any] = {\n"
     for group, known in groups.items():
-        text += "".join(f'    "{group}/{column["name"]}": {default(column)},\n' for column in known if column["type"] != "count")
+        text += "".join(
+            f'    "{group}/{column["name"]}": {default(column)},\n'
+            for column in known
+            if column["type"] != "count"
+        )
     return text + "}\n"
 
 
@@ -99,11 +111,19 @@ def readme(text: str, groups: Groups) -> str:
 
 
 def between_marks(page: str, name: str, text: str) -> str:
-    """Replaces the text between the HTML comments "NAME: begin" and "NAME: end". Raises ValueError if they are missing."""
+    """Replaces the text between the HTML comments "NAME: begin" and "NAME: end". Raises ValueError
+    if they are missing."""
     begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
     if page.count(begin) != 1 or page.count(end) != 1:
-        raise ValueError(f"the marks '{begin}' and '{end}' are missing: put them where the table belongs")
-    return re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
+        raise ValueError(
+            f"the marks '{begin}' and '{end}' are missing: put them where the table belongs"
+        )
+    return re.sub(
+        f"{re.escape(begin)}.*?{re.escape(end)}",
+        lambda _: f"{begin}\n{text}\n{end}",
+        page,
+        flags=re.DOTALL,
+    )
 
 
 def key_table(keys: list[dict[str, str]]) -> str:
@@ -126,7 +146,9 @@ def recipe_table(recipes: list[dict[str, Any]], what: str) -> str:
 def experiments(page: str, keys: dict[str, Any]) -> str:
     """Returns docs/experiments.md with new tables of keys, recipes and operations."""
     for one in keys["tables"]:
-        page = between_marks(page, f"keys of {one['table'] or 'the top level'}", key_table(one["keys"]))
+        page = between_marks(
+            page, f"keys of {one['table'] or 'the top level'}", key_table(one["keys"])
+        )
     page = between_marks(page, "recipes", recipe_table(keys["recipes"], "recipe"))
     return between_marks(page, "operations", recipe_table(keys["operations"], "operation"))
 
@@ -135,7 +157,10 @@ def main() -> int:
     groups = columns()
     MODULE.write_text(module(groups), encoding="utf-8")
     README.write_text(readme(README.read_text(encoding="utf-8"), groups), encoding="utf-8")
-    EXPERIMENTS.write_text(experiments(EXPERIMENTS.read_text(encoding="utf-8"), listed("keys", "--json")), encoding="utf-8")
+    EXPERIMENTS.write_text(
+        experiments(EXPERIMENTS.read_text(encoding="utf-8"), listed("keys", "--json")),
+        encoding="utf-8",
+    )
     for path in (MODULE, README, EXPERIMENTS):
         print(path.relative_to(ROOT))
     return 0

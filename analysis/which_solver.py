@@ -27,7 +27,14 @@ from analysis.shared.report import save_figure
 from analysis.shared.results import ResultError, Results
 from analysis.shared.estimates import Estimate, ratio_by_round
 
-STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
+STEMS: Final = (
+    "scaling_points",
+    "points_speed",
+    "scaling_meshes",
+    "mesh_peers",
+    "sacht2024_fig13",
+    "error_vs_time",
+)
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
 FINEST: Final = 0.0  # means the finest tolerance of each solver; used for point sets, where most solvers ignore the tolerance
 OF: Final = "diagonal"
@@ -54,21 +61,37 @@ class Cell:
 
     @property
     def text(self) -> str:
-        return self.title if self.ratio is None or not self.ratio.n else f"{self.title} {numerals.number(self.ratio.value, 2)}×"
+        return (
+            self.title
+            if self.ratio is None or not self.ratio.n
+            else f"{self.title} {numerals.number(self.ratio.value, 2)}×"
+        )
 
 
 def cells_of(results: Results) -> list[Cell]:
-    """Returns one cell for each scene, in its first pose, and each tolerance that some certified solver reached.
+    """Returns one cell for each scene, in its first pose, and each tolerance that some certified
+    solver reached.
 
-    Skips tolerances at which some answer was read off the trace of a finer run, because such an answer has no time.
+    Skips tolerances at which some answer was read off the trace of a finer run, because such an
+    answer has no time.
     """
-    cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
+    cases, kinds, found = (
+        results.cases,
+        dict(zip(results.models.name, results.models.kind)),
+        list[Cell](),
+    )
     asked: dict[tuple[str, float], dict[str, int]] = {}
     untimed: set[tuple[str, float]] = set()
     for row in range(len(cases)):
         domain = str(kinds.get(cases.source[row], ""))
-        if (cases.status[row] != "ok" or cases.certified[row] != 1 or cases.pose_index[row] != 0 or kinds.get(cases.target[row]) != domain
-                or cases.tolerance_of[row] != OF or not takes_part(results, row)):
+        if (
+            cases.status[row] != "ok"
+            or cases.certified[row] != 1
+            or cases.pose_index[row] != 0
+            or kinds.get(cases.target[row]) != domain
+            or cases.tolerance_of[row] != OF
+            or not takes_part(results, row)
+        ):
             continue
         key = (str(cases.scene[row]), FINEST if domain == "points" else float(cases.tolerance[row]))
         if not results.total_by_round(row) or cases.from_trace[row]:
@@ -80,54 +103,124 @@ def cells_of(results: Results) -> list[Cell]:
             rows[label] = row
     for (scene, tolerance), rows in asked.items():
         if (scene, tolerance) not in untimed:
-            found.append(cell(results, scene, tolerance, rows, str(kinds[cases.source[next(iter(rows.values()))]])))
+            found.append(
+                cell(
+                    results,
+                    scene,
+                    tolerance,
+                    rows,
+                    str(kinds[cases.source[next(iter(rows.values()))]]),
+                )
+            )
     return found
 
 
 def takes_part(results: Results, row: int) -> bool:
     """Tells whether a row is compared. Of several seeds only the first is.
 
-    A solver that the experiment runs with several values of another parameter is not, because no value represents it.
+    A solver that the experiment runs with several values of another parameter is not, because no
+    value represents it.
     """
     variant = str(results.cases.variant[row])
-    return not variant or (variant.startswith("seed=") and row == min(results.rows(scene=results.cases.scene[row], label=results.cases.label[row],
-                                                                                  tolerance=results.cases.tolerance[row])))
+    return not variant or (
+        variant.startswith("seed=")
+        and row
+        == min(
+            results.rows(
+                scene=results.cases.scene[row],
+                label=results.cases.label[row],
+                tolerance=results.cases.tolerance[row],
+            )
+        )
+    )
 
 
 def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
     """Returns the cell for the solver with no ratio (other / solver) below 1.
 
-    As ratios are paired, each solver may be beaten by another; the cell then has the least median and no ratio.
+    As ratios are paired, each solver may be beaten by another; the cell then has the least median
+    and no ratio.
     """
     times = {label: results.total_by_round(row) for label, row in rows.items()}
     by_median = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
 
     def against(best: str) -> list[Estimate]:
-        return [apart(origins(results, [rows[best], rows[other]])) or ratio_by_round(times[other], times[best]) for other in times if other != best]
+        return [
+            apart(origins(results, [rows[best], rows[other]]))
+            or ratio_by_round(times[other], times[best])
+            for other in times
+            if other != best
+        ]
 
-    best = next((label for label in by_median if all(not one.n or one.value >= 1 for one in against(label))), by_median[0])
+    best = next(
+        (
+            label
+            for label in by_median
+            if all(not one.n or one.value >= 1 for one in against(label))
+        ),
+        by_median[0],
+    )
     ratios = against(best)
     known = [one for one in ratios if one.n]
     least = min(known, key=lambda one: one.value) if known and len(known) == len(ratios) else None
-    return Cell(domain, results.stem, scene, results.sizes(rows[best]), tolerance, str(results.cases.solver[rows[best]]), best, len(ratios),
-                least if least and least.value >= 1 else None, bool(known) and all(one.n and one.separated and one.low > 1 for one in ratios))
+    return Cell(
+        domain,
+        results.stem,
+        scene,
+        results.sizes(rows[best]),
+        tolerance,
+        str(results.cases.solver[rows[best]]),
+        best,
+        len(ratios),
+        least if least and least.value >= 1 else None,
+        bool(known) and all(one.n and one.separated and one.low > 1 for one in ratios),
+    )
 
 
 def table(cells: Sequence[Cell], machine: str) -> tables.Table:
-    rows = [[DOMAINS[one.domain], one.scene, one.sizes, "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
-             style.title(one.solver, one.label), numerals.ratio(one.ratio) if one.ratio else numerals.NOTHING, str(one.rivals),
-             "yes" if one.separated else "no", one.stem] for one in cells]
-    return tables.Table(CAPTION,
-                        ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
-                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; only the first of "
-                         "several seeds, and no solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; for point sets, "
-                         "the finest requested tolerance, which most of their solvers ignore. Tolerances that were read off the trace of a finer run have "
-                         "no times and no row. For a motion, the first pose.", f"Measured on {machine}."], left=5)
+    rows = [
+        [
+            DOMAINS[one.domain],
+            one.scene,
+            one.sizes,
+            "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
+            style.title(one.solver, one.label),
+            numerals.ratio(one.ratio) if one.ratio else numerals.NOTHING,
+            str(one.rivals),
+            "yes" if one.separated else "no",
+            one.stem,
+        ]
+        for one in cells
+    ]
+    return tables.Table(
+        CAPTION,
+        [
+            "",
+            "scene",
+            "|A| / |B|",
+            "tolerance",
+            "fastest",
+            "next best / fastest",
+            "rivals",
+            "separated from all",
+            "stem",
+        ],
+        rows,
+        [
+            "Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; only the first of "
+            "several seeds, and no solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; for point sets, "
+            "the finest requested tolerance, which most of their solvers ignore. Tolerances that were read off the trace of a finer run have "
+            "no times and no row. For a motion, the first pose.",
+            f"Measured on {machine}.",
+        ],
+        left=5,
+    )
 
 
 @dataclass
 class Row:
-    """A row of the figure: one scene, or consecutive sizes of a scene with the same winner at the same single tolerance."""
+    """A row of the figure: one scene, or consecutive sizes of a scene with the same winner at the
+    same single tolerance."""
 
     family: str  # name of the scene without its size
     sizes: list[str]  # empty strings for names without a size
@@ -135,7 +228,9 @@ class Row:
 
     @property
     def title(self) -> str:
-        return style.scene_title(self.family) + " ".join(["", *filter(None, [" to ".join(dict.fromkeys([self.sizes[0], self.sizes[-1]]))])])
+        return style.scene_title(self.family) + " ".join(
+            ["", *filter(None, [" to ".join(dict.fromkeys([self.sizes[0], self.sizes[-1]]))])]
+        )
 
 
 def rows_of(cells: Sequence[Cell]) -> list[Row]:
@@ -168,17 +263,24 @@ def text_of(cells: Sequence[Cell]) -> str:
 
 
 def draw(cells: Sequence[Cell]) -> Any:
-    """Draws point sets on the left, meshes and surfaces on the right: one row per scene, one column per tolerance."""
+    """Draws point sets on the left, meshes and surfaces on the right: one row per scene, one column
+    per tolerance."""
     there = [domain for domain in DOMAINS if any(one.domain == domain for one in cells)]
     blocks = {domain: rows_of([one for one in cells if one.domain == domain]) for domain in there}
     right = [domain for domain in there if domain != "points"]
     tall = max(len(blocks.get("points", ())), sum(len(blocks[domain]) + 2 for domain in right))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, min(HIGHEST, 0.175 * tall + 0.9)))
-    grid = figure.add_gridspec(1, 2, width_ratios=(0.7, 2.2)) if right and "points" in there else figure.add_gridspec(1, 1)
+    grid = (
+        figure.add_gridspec(1, 2, width_ratios=(0.7, 2.2))
+        if right and "points" in there
+        else figure.add_gridspec(1, 1)
+    )
     if "points" in there:
         draw_block(figure.add_subplot(grid[0]), "points", blocks["points"])
     if right:
-        below = grid[-1].subgridspec(len(right), 1, height_ratios=[len(blocks[domain]) + 1 for domain in right])
+        below = grid[-1].subgridspec(
+            len(right), 1, height_ratios=[len(blocks[domain]) + 1 for domain in right]
+        )
         for row, domain in enumerate(right):
             draw_block(figure.add_subplot(below[row]), domain, blocks[domain])
     return figure
@@ -188,14 +290,43 @@ def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
     tolerances = sorted({tolerance for row in rows for tolerance in row.cells}, reverse=True)
     for y, row in enumerate(rows):
         for tolerance, own in row.cells.items():
-            x, colour, separated = tolerances.index(tolerance), style.look(own[0].solver, own[0].label).colour, all(one.separated for one in own)
+            x, colour, separated = (
+                tolerances.index(tolerance),
+                style.look(own[0].solver, own[0].label).colour,
+                all(one.separated for one in own),
+            )
             ax.add_patch(Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
-            ax.add_patch(Rectangle((x, y), 1, 1, facecolor="none", edgecolor="white" if separated else colour, linewidth=0.5,
-                                   hatch="" if separated else "////"))
-            ax.text(x + 0.5, y + 0.52, text_of(own), ha="center", va="center", fontsize=5.5,
-                    bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
+            ax.add_patch(
+                Rectangle(
+                    (x, y),
+                    1,
+                    1,
+                    facecolor="none",
+                    edgecolor="white" if separated else colour,
+                    linewidth=0.5,
+                    hatch="" if separated else "////",
+                )
+            )
+            ax.text(
+                x + 0.5,
+                y + 0.52,
+                text_of(own),
+                ha="center",
+                va="center",
+                fontsize=5.5,
+                bbox={
+                    "boxstyle": "square,pad=0.1",
+                    "facecolor": "white",
+                    "alpha": 0.6,
+                    "linewidth": 0,
+                },
+            )
     ax.set(xlim=(0, len(tolerances)), ylim=(len(rows), 0), title=DOMAINS[domain])
-    ax.set_xticks(np.arange(len(tolerances)) + 0.5, ["finest" if t == FINEST else f"{t:g}" for t in tolerances], fontsize=6)
+    ax.set_xticks(
+        np.arange(len(tolerances)) + 0.5,
+        ["finest" if t == FINEST else f"{t:g}" for t in tolerances],
+        fontsize=6,
+    )
     ax.set_yticks(np.arange(len(rows)) + 0.5, [row.title for row in rows], fontsize=5.5)
     ax.tick_params(length=0)
     ax.grid(False)
@@ -203,9 +334,19 @@ def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.which_solver", description="The fastest solver whose bounds are proven, by scene and tolerance.")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
-    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
+    parser = argparse.ArgumentParser(
+        prog="analysis.which_solver",
+        description="The fastest solver whose bounds are proven, by scene and tolerance.",
+    )
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        help="folder of the .h5 files (default: results)",
+    )
+    parser.add_argument(
+        "--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)"
+    )
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
     try:
@@ -219,13 +360,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     made = table(cells, "; ".join(dict.fromkeys(machine_line(results) for results in found)))
     records: list[tables.Record] = [
-        {"domain": one.domain, "stem": one.stem, "scene": one.scene, "sizes": one.sizes, "tolerance": one.tolerance, "solver": one.solver, "label": one.label,
-         "rivals": one.rivals, "next_best": one.ratio.value if one.ratio else float("nan"), "low": one.ratio.low if one.ratio else float("nan"),
-         "high": one.ratio.high if one.ratio else float("nan"), "separated": int(one.separated)} for one in cells]
-    footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate "
-                "nothing). No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is "
-                "hatched if one of them is.")
-    for path in [*table_files.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
+        {
+            "domain": one.domain,
+            "stem": one.stem,
+            "scene": one.scene,
+            "sizes": one.sizes,
+            "tolerance": one.tolerance,
+            "solver": one.solver,
+            "label": one.label,
+            "rivals": one.rivals,
+            "next_best": one.ratio.value if one.ratio else float("nan"),
+            "low": one.ratio.low if one.ratio else float("nan"),
+            "high": one.ratio.high if one.ratio else float("nan"),
+            "separated": int(one.separated),
+        }
+        for one in cells
+    ]
+    footnote = (
+        "n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate "
+        "nothing). No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is "
+        "hatched if one of them is."
+    )
+    for path in [
+        *table_files.save(made, records, out, "which_solver"),
+        *save_figure(draw(cells), out, "which_solver", made.caption, footnote),
+    ]:
         print(path)
     return 0
 

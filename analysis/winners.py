@@ -1,8 +1,10 @@
-"""Writes the table in README.md of how often each solver wins, from the times in results/reference: `python3 -m analysis.winners`.
+"""Writes the table in README.md of how often each solver wins, from the times in results/reference:
+`python3 -m analysis.winners`.
 
-A solver wins a scene if its interval lies below the intervals of all others. A scene has no winner if some solver has a
-single time or an interval of less than 95 %, or if times are not comparable; a line below the table counts these
-scenes. analysis.paper_profile calls this whenever it stores new times.
+A solver wins a scene if its interval lies below the intervals of all others. A scene has no winner
+if some solver has a single time or an interval of less than 95 %, or if times are not comparable; a
+line below the table counts these scenes. analysis.paper_profile calls this whenever it stores new
+times.
 """
 
 from __future__ import annotations
@@ -25,9 +27,11 @@ BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
 SUFFIX: Final = ".times.json"  # of the files of times beside the tables
 # By experiment: the file with its table in results/reference, and what its scenes are called.
-RACES: Final = {"zhang2017_table3": ("zhang2017_paper_profile.md", "pairs of Table 3"),
-                "points_speed": ("points_speed.md", "workloads of 100K and 1M points"),
-                "mesh_peers": ("mesh_peers.md", "pairs of real meshes")}
+RACES: Final = {
+    "zhang2017_table3": ("zhang2017_paper_profile.md", "pairs of Table 3"),
+    "points_speed": ("points_speed.md", "workloads of 100K and 1M points"),
+    "mesh_peers": ("mesh_peers.md", "pairs of real meshes"),
+}
 SOURCES: Final = tuple(file for file, _ in RACES.values())
 
 
@@ -58,16 +62,38 @@ def times(records: Iterable[tables.Record], results: Results) -> list[tables.Rec
     largest: dict[object, float] = {}
     for one in known:
         if "tolerance" in one:
-            largest[one["scene"]] = max(float(str(one["tolerance"])), largest.get(one["scene"], 0.0))
-    known = [one for one in known if "tolerance" not in one or one["tolerance"] == largest[one["scene"]]]
-    apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
-    return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
-             "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],
-             "apart": apart[str(one["scene"])]} for one in known]
+            largest[one["scene"]] = max(
+                float(str(one["tolerance"])), largest.get(one["scene"], 0.0)
+            )
+    known = [
+        one for one in known if "tolerance" not in one or one["tolerance"] == largest[one["scene"]]
+    ]
+    apart = {
+        scene: reason_apart(
+            one._replace(clock="") for one in origins(results, results.rows(scene=scene))
+        )
+        for scene in results.scenes
+    }
+    return [
+        {
+            "stem": results.stem,
+            **{name: one[name] for name in ("scene", "solver", "label")},
+            "title": style.title(str(one["solver"]), str(one["label"])),
+            "n": one["n"],
+            "seconds": [
+                x
+                for end in ("median", "low", "high")
+                if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)
+            ],
+            "apart": apart[str(one["scene"])],
+        }
+        for one in known
+    ]
 
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:
-    """Reads the times that belong to a file of tables in `folder`. Raises OSError if there are none."""
+    """Reads the times that belong to a file of tables in `folder`. Raises OSError if there are
+    none."""
     return [Time(**one) for one in table_files.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
 
 
@@ -76,24 +102,37 @@ class Race:
     """How often each solver won among the scenes of a table."""
 
     scenes: int
-    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: for each scene won, time of the next best / its time
+    won: dict[str, list[float]] = field(
+        default_factory=dict
+    )  # by winner: for each scene won, time of the next best / its time
     unjudged: int = 0  # scenes that cannot be judged, for one of the next two reasons
-    single: dict[str, None] = field(default_factory=dict)  # an ordered set: solvers with single times in unjudged scenes
-    doubts: dict[str, None] = field(default_factory=dict)  # an ordered set: other reasons why scenes are unjudged
-    least: dict[str, int] = field(default_factory=dict)  # by solver: unjudged scenes that it would win but for single times of others
+    single: dict[str, None] = field(
+        default_factory=dict
+    )  # an ordered set: solvers with single times in unjudged scenes
+    doubts: dict[str, None] = field(
+        default_factory=dict
+    )  # an ordered set: other reasons why scenes are unjudged
+    least: dict[str, int] = field(
+        default_factory=dict
+    )  # by solver: unjudged scenes that it would win but for single times of others
 
 
 def race(among: Sequence[Time]) -> Race:
     scenes = dict.fromkeys(one.scene for one in among)
     found = Race(len(scenes))
     for scene in scenes:
-        known = sorted((one for one in among if one.scene == scene and one.n), key=lambda one: (one.seconds[0], one.title))
+        known = sorted(
+            (one for one in among if one.scene == scene and one.n),
+            key=lambda one: (one.seconds[0], one.title),
+        )
         if len(known) < 2:
             continue
         best, *others = known
         single = [one.title for one in known if one.n == 1]
         doubts = [f"times {best.apart}"] * bool(best.apart)
-        doubts += ["their intervals cover less than 95 %"] * any(one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known)
+        doubts += ["their intervals cover less than 95 %"] * any(
+            one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known
+        )
         first = best.n > 1 and max(best.seconds) < min(x for one in others for x in one.seconds)
         if single or doubts:
             found.unjudged += 1
@@ -111,8 +150,10 @@ def victories(races: dict[str, Race]) -> dict[str, list[str]]:
     for stem, seen in races.items():
         for solver, factors in seen.won.items():
             low, high = numerals.number(min(factors), 2), numerals.number(max(factors), 2)
-            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
-                                                "as fast as the next best")
+            texts.setdefault(solver, []).append(
+                f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
+                "as fast as the next best"
+            )
     return texts
 
 
@@ -122,17 +163,36 @@ def unjudged(races: dict[str, Race]) -> list[str]:
     for stem, seen in races.items():
         if not seen.unjudged:
             continue
-        why = [f"{' and '.join(seen.single)} {'have' if len(seen.single) > 1 else 'has'} single times there, without an interval"] * bool(seen.single)
-        why += [*seen.doubts, *[f"the interval of {solver} lies below all intervals and single times in {count} of them" for solver, count in seen.least.items()]]
-        lines.append(f"No winner in {seen.unjudged} of the {seen.scenes} {RACES[stem][1]}: {'; '.join(why)}.")
+        why = [
+            f"{' and '.join(seen.single)} {'have' if len(seen.single) > 1 else 'has'} single times there, without an interval"
+        ] * bool(seen.single)
+        why += [
+            *seen.doubts,
+            *[
+                f"the interval of {solver} lies below all intervals and single times in {count} of them"
+                for solver, count in seen.least.items()
+            ],
+        ]
+        lines.append(
+            f"No winner in {seen.unjudged} of the {seen.scenes} {RACES[stem][1]}: {'; '.join(why)}."
+        )
     return lines
 
 
 def table(folder: Path = REFERENCE) -> str:
-    races = {stem: race([one for one in read(file, folder) if one.stem == stem]) for stem, (file, _) in RACES.items()}
+    races = {
+        stem: race([one for one in read(file, folder) if one.stem == stem])
+        for stem, (file, _) in RACES.items()
+    }
     won = victories(races)
     stated = ", ".join(f"[{what}](results/reference/{file})" for file, what in RACES.values())
-    lines = [f"From the kept tables: {stated}.", "", "| solver | fastest on |", "| --- | --- |", *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won]]
+    lines = [
+        f"From the kept tables: {stated}.",
+        "",
+        "| solver | fastest on |",
+        "| --- | --- |",
+        *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won],
+    ]
     return "\n".join(lines + [line for note in unjudged(races) for line in ("", note)])
 
 
@@ -140,7 +200,9 @@ def rewritten(readme: str, text: str) -> str:
     before, begin, rest = readme.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise ValueError(f"README.md: the marks '{BEGIN}' and '{END}' are missing: put them where the table belongs")
+        raise ValueError(
+            f"README.md: the marks '{BEGIN}' and '{END}' are missing: put them where the table belongs"
+        )
     return f"{before}{begin}\n{text}\n{end}{after}"
 
 

@@ -15,15 +15,35 @@ from analysis.shared.estimates import Estimate
 from analysis.shared.numerals import NOTHING, number
 from analysis.shared.tables import Table, markdown
 
-COLUMNS = ["part", "scene", "contender", "elements", "nanoseconds", "ratio", "low", "high", "rounds", "bytes",
-           "largest_difference"]
+COLUMNS = [
+    "part",
+    "scene",
+    "contender",
+    "elements",
+    "nanoseconds",
+    "ratio",
+    "low",
+    "high",
+    "rounds",
+    "bytes",
+    "largest_difference",
+]
 
 # Part: title, unit of its times, nanoseconds in that unit, name of an element.
 PARTS = {
     "build": ("Building", "ns a triangle", 1.0, "triangles"),
-    "query": ("Closest point queries from each vertex of a near mesh, but for the warm start each from nothing",
-              "ns a query", 1.0, "queries"),
-    "certification": ("What certification costs: `guthe`, solving, tolerance 1e-6 of the diagonal of A", "ms", 1e6, ""),
+    "query": (
+        "Closest point queries from each vertex of a near mesh, but for the warm start each from nothing",
+        "ns a query",
+        1.0,
+        "queries",
+    ),
+    "certification": (
+        "What certification costs: `guthe`, solving, tolerance 1e-6 of the diagonal of A",
+        "ms",
+        1e6,
+        "",
+    ),
 }
 
 HEAD = """# Kernels, measured
@@ -52,7 +72,8 @@ CLAIMS = [
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the CSV: times in nanoseconds per element; the ratio is to the first contender of the part and scene."""
+    """A line of the CSV: times in nanoseconds per element; the ratio is to the first contender of
+    the part and scene."""
 
     part: str
     scene: str
@@ -65,15 +86,32 @@ class Row:
 
 
 def read(lines: Iterable[str]) -> tuple[list[str], list[Row]]:
-    """Returns the remarks (lines with #, without the #) and the rows. Raises ValueError or KeyError for anything else."""
+    """Returns the remarks (lines with #, without the #) and the rows. Raises ValueError or KeyError
+    for anything else."""
     lines = list(lines)
     remarks = [line[1:].strip() for line in lines if line.startswith("#")]
     rows = []
     for record in csv.DictReader(line for line in lines if not line.startswith("#")):
         n = int(record["rounds"])
-        ratio = Estimate(float(record["ratio"]), float(record["low"]), float(record["high"]), n, 0.95 if n > 5 else 0.0)
-        rows.append(Row(record["part"], record["scene"], record["contender"], int(record["elements"]),
-                        float(record["nanoseconds"]), ratio, int(record["bytes"]), float(record["largest_difference"])))
+        ratio = Estimate(
+            float(record["ratio"]),
+            float(record["low"]),
+            float(record["high"]),
+            n,
+            0.95 if n > 5 else 0.0,
+        )
+        rows.append(
+            Row(
+                record["part"],
+                record["scene"],
+                record["contender"],
+                int(record["elements"]),
+                float(record["nanoseconds"]),
+                ratio,
+                int(record["bytes"]),
+                float(record["largest_difference"]),
+            )
+        )
     return remarks, rows
 
 
@@ -85,14 +123,25 @@ def ratio_text(ratio: Estimate) -> str:
 def table(part: str, rows: list[Row]) -> Table:
     title, unit, scale, of = PARTS[part]
     first = next(row.contender for row in rows)
-    header = ["mesh" if part == "build" else "scene", *([of] if of else []), "", unit, f"times {first}"]
+    header = [
+        "mesh" if part == "build" else "scene",
+        *([of] if of else []),
+        "",
+        unit,
+        f"times {first}",
+    ]
     header += ["bytes an element"] if part == "build" else ["difference"]
     result = Table(f"{title} ({min(row.ratio.n for row in rows)} rounds)", header, left=1)
     scene = ""
     for row in rows:
         again, scene = row.scene == scene, row.scene
-        cells = ["" if again else scene, *([("" if again else str(row.elements))] if of else []), row.contender,
-                 number(row.nanoseconds / scale), "1" if row.contender == first else ratio_text(row.ratio)]
+        cells = [
+            "" if again else scene,
+            *([("" if again else str(row.elements))] if of else []),
+            row.contender,
+            number(row.nanoseconds / scale),
+            "1" if row.contender == first else ratio_text(row.ratio),
+        ]
         if part == "build":
             cells.append(number(row.bytes / row.elements) if row.bytes else NOTHING)
         else:
@@ -101,8 +150,11 @@ def table(part: str, rows: list[Row]) -> Table:
     return result
 
 
-def verdict(rows: list[Row], what: str, part: str, contender: str, limit: float, at_least: bool) -> str:
-    """Returns whether a claim holds on every scene, judged by the less favourable end of each interval."""
+def verdict(
+    rows: list[Row], what: str, part: str, contender: str, limit: float, at_least: bool
+) -> str:
+    """Returns whether a claim holds on every scene, judged by the less favourable end of each
+    interval."""
     ratios = [row.ratio for row in rows if row.part == part and row.contender.startswith(contender)]
     if not ratios:
         return f"- {what}: not measured"
@@ -112,8 +164,15 @@ def verdict(rows: list[Row], what: str, part: str, contender: str, limit: float,
 
 
 def report(remarks: list[str], rows: list[Row]) -> str:
-    parts = [HEAD, *(f"- {remark}" for remark in remarks), "", "What is asked of them, judged by the worse ends of the intervals:", "",
-             *(verdict(rows, *claim) for claim in CLAIMS), ""]
+    parts = [
+        HEAD,
+        *(f"- {remark}" for remark in remarks),
+        "",
+        "What is asked of them, judged by the worse ends of the intervals:",
+        "",
+        *(verdict(rows, *claim) for claim in CLAIMS),
+        "",
+    ]
     for part in PARTS:
         chosen = [row for row in rows if row.part == part]
         if chosen:
@@ -125,7 +184,9 @@ def main() -> None:
     remarks: list[str] = []
     rows: list[Row] = []
     for name in sys.argv[1:]:
-        more_remarks, more_rows = read(Path(name).read_text(encoding="utf-8").splitlines(keepends=True))
+        more_remarks, more_rows = read(
+            Path(name).read_text(encoding="utf-8").splitlines(keepends=True)
+        )
         remarks += more_remarks
         rows += more_rows
     sys.stdout.write(report(remarks, rows))

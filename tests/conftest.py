@@ -1,4 +1,5 @@
-"""Skips tests whose optional tool is missing: with `--insist`, used by targets that promise the tool, such a skip is a failure. And the installed files."""
+"""Skips tests whose optional tool is missing: with `--insist`, used by targets that promise the
+tool, such a skip is a failure. And the installed files."""
 
 from __future__ import annotations
 
@@ -32,14 +33,24 @@ pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(fail_skipped)
 @pytest.fixture(scope="session")
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns the folder that `cmake --install` fills, once for all workers of a parallel run."""
-    build = Path(os.environ.get("HAUSBENCH_PROGRAM", Path(__file__).resolve().parents[1] / "build" / "release" / "hausbench")).parent
+    build = Path(
+        os.environ.get(
+            "HAUSBENCH_PROGRAM",
+            Path(__file__).resolve().parents[1] / "build" / "release" / "hausbench",
+        )
+    ).parent
     shared = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         shared = shared.parent
     with open(shared / "installed.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (shared / "installed.done").exists():
-            done = subprocess.run(["cmake", "--install", build, "--prefix", shared / "installed"], capture_output=True, text=True, check=False)
+            done = subprocess.run(
+                ["cmake", "--install", build, "--prefix", shared / "installed"],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
             assert done.returncode == 0, done.stdout + done.stderr
             (shared / "installed.done").touch()
     return shared / "installed"

@@ -1,9 +1,11 @@
-"""Forges proofs of upper bounds, and expects that none is accepted: not by the C call, by Python, or by the exit code of `hausbench verify`.
+"""Forges proofs of upper bounds, and expects that none is accepted: not by the C call, by Python,
+or by the exit code of `hausbench verify`.
 
     python3 tests/forgeries.py [--count 1000] [--seed 1] [--each 10] [--kind NAME ...]
 
-A forgery is a file that states something false about its shapes, or that is checked at another pose than its own. Its checksums
-are right. Every `--each`-th is given to the program, too. Exit code 1: one was accepted.
+A forgery is a file that states something false about its shapes, or that is checked at another pose
+than its own. Its checksums are right. Every `--each`-th is given to the program, too. Exit code 1:
+one was accepted.
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 if __name__ == "__main__":
-    sys.path.insert(0, os.environ.get("HAUSBENCH_PYTHON", str(ROOT / "build" / "release" / "python")))
+    sys.path.insert(
+        0, os.environ.get("HAUSBENCH_PYTHON", str(ROOT / "build" / "release" / "python"))
+    )
 
 import numpy as np  # noqa: E402
 
@@ -47,13 +51,17 @@ def sha256_of(mesh: Mesh) -> str:
     """Computes the hash as docs/certificate.md describes it. The mesh must use all vertices."""
     vertices, triangles = mesh
     content = struct.pack("<Q", 4) + b"mesh" + struct.pack("<Q", len(vertices))
-    content += b"".join(struct.pack("<3d", *v) for v in vertices) + struct.pack("<Q", len(triangles))
+    content += b"".join(struct.pack("<3d", *v) for v in vertices) + struct.pack(
+        "<Q", len(triangles)
+    )
     return hashlib.sha256(content + b"".join(struct.pack("<3i", *t) for t in triangles)).hexdigest()
 
 
 def off_text(mesh: Mesh) -> str:
     vertices, triangles = mesh
-    rows = [" ".join(map(repr, v)) for v in vertices] + ["3 " + " ".join(map(str, t)) for t in triangles]
+    rows = [" ".join(map(repr, v)) for v in vertices] + [
+        "3 " + " ".join(map(str, t)) for t in triangles
+    ]
     return "\n".join([f"OFF\n{len(vertices)} {len(triangles)} 0", *rows, ""])
 
 
@@ -74,7 +82,8 @@ def pose_numbers(matrix: Any) -> list[float]:
 
 @dataclass
 class Forgery:
-    """A file, the shapes it is checked with, and the poses at which: none if None. `at_its_poses`: what the program checks, too."""
+    """A file, the shapes it is checked with, and the poses at which: none if None. `at_its_poses`:
+    what the program checks, too."""
 
     header: Header
     rest: bytes
@@ -87,7 +96,8 @@ class Forgery:
 
 @dataclass
 class Pair:
-    """Two soups, their true proof at some poses, and a lower bound of their distance there that is true."""
+    """Two soups, their true proof at some poses, and a lower bound of their distance there that is
+    true."""
 
     source: Mesh
     target: Mesh
@@ -98,8 +108,17 @@ class Pair:
     target_pose: Any = None
 
     def forged(self, header: Header, rest: bytes | None = None, **changes: Any) -> Forgery:
-        return Forgery(header, self.rest if rest is None else rest,
-                       **{"source": self.source, "target": self.target, "pose": self.pose, "target_pose": self.target_pose, **changes})
+        return Forgery(
+            header,
+            self.rest if rest is None else rest,
+            **{
+                "source": self.source,
+                "target": self.target,
+                "pose": self.pose,
+                "target_pose": self.target_pose,
+                **changes,
+            },
+        )
 
 
 @dataclass
@@ -114,16 +133,22 @@ class Forger:
 
     def soup(self, size: float = 1, count: int | None = None) -> Mesh:
         count = count or self.random.randint(1, 5)
-        points = [tuple(self.random.uniform(-size, size) for _ in range(3)) for _ in range(3 * count)]
+        points = [
+            tuple(self.random.uniform(-size, size) for _ in range(3)) for _ in range(3 * count)
+        ]
         return points, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(count)]
 
     def motion(self, reach: float = 3) -> Any:
         """A rotation about a random axis, and a translation, as a matrix of 4 x 4 numbers."""
-        w, x, y, z = (q := np.array([self.random.gauss(0, 1) for _ in range(4)])) / np.linalg.norm(q)
+        w, x, y, z = (q := np.array([self.random.gauss(0, 1) for _ in range(4)])) / np.linalg.norm(
+            q
+        )
         matrix = np.eye(4)
-        matrix[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+        matrix[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
         matrix[:3, 3] = [self.random.uniform(-reach, reach) for _ in range(3)]
         return matrix
 
@@ -140,11 +165,29 @@ class Forger:
         pose = self.motion() if moved else None
         target_pose = self.motion() if moved and self.random.random() < 0.5 else None
         file = self.folder / "true"
-        solver = self.random.choice(["cover", "guthe", "sacht", "kang", "zheng"]) if target_pose is None else "cover"
-        answer = hb.certify(as_arrays(source), as_arrays(target), file, symmetric=symmetric, tolerance=10 ** self.random.uniform(-8, -1),
-                            solver=solver, pose=pose, target_pose=target_pose)
+        solver = (
+            self.random.choice(["cover", "guthe", "sacht", "kang", "zheng"])
+            if target_pose is None
+            else "cover"
+        )
+        answer = hb.certify(
+            as_arrays(source),
+            as_arrays(target),
+            file,
+            symmetric=symmetric,
+            tolerance=10 ** self.random.uniform(-8, -1),
+            solver=solver,
+            pose=pose,
+            target_pose=target_pose,
+        )
         exact = hb.symmetric if symmetric else hb.directed
-        narrow = exact(as_arrays(source), as_arrays(target), tolerance=1e-12, pose=pose, target_pose=target_pose)
+        narrow = exact(
+            as_arrays(source),
+            as_arrays(target),
+            tolerance=1e-12,
+            pose=pose,
+            target_pose=target_pose,
+        )
         assert answer.interval.lower <= narrow.interval.upper
         header, rest = unsealed(file.read_bytes())
         return Pair(source, target, header, rest, narrow.interval.lower, pose, target_pose)
@@ -160,7 +203,8 @@ def stating(header: Header, upper: float, *, lower: float | None = None) -> Head
     return changed
 
 
-# --- the kinds ------------------------------------------------------------------------------------------------------------
+# --- the kinds
+# ------------------------------------------------------------------------------------------------------------
 
 
 def used_at_rest(forger: Forger) -> Forgery:
@@ -171,7 +215,8 @@ def used_at_rest(forger: Forger) -> Forgery:
 
 
 def pose_changed(forger: Forger) -> Forgery | None:
-    """The file states another pose: one at which the distance is larger, or one that is not a motion."""
+    """The file states another pose: one at which the distance is larger, or one that is not a
+    motion."""
     pair = forger.pair()
     header = copy.deepcopy(pair.header)
     side, name = forger.random.choice([("source", "pose"), ("target", "target_pose")])
@@ -181,7 +226,9 @@ def pose_changed(forger: Forger) -> Forgery | None:
     if how == "motion":
         matrix = forger.motion()
     elif how == "slightly":
-        matrix[:3, 3] += [forger.random.uniform(-1, 1) * 10 ** forger.random.uniform(-9, 0) for _ in range(3)]
+        matrix[:3, 3] += [
+            forger.random.uniform(-1, 1) * 10 ** forger.random.uniform(-9, 0) for _ in range(3)
+        ]
     elif how == "scaled":
         matrix[:3, :3] *= 1 - 10 ** forger.random.uniform(-8, 0)
     elif how == "flat":
@@ -189,11 +236,15 @@ def pose_changed(forger: Forger) -> Forgery | None:
     poses = {"pose": pair.pose, "target_pose": pair.target_pose, name: matrix}
     header[side]["pose"] = pose_numbers(matrix)
     if how == "not finite":
-        header[side]["pose"][forger.random.randint(0, 11)] = forger.random.choice(["nan", "inf", "-inf", None, 1e308])
+        header[side]["pose"][forger.random.randint(0, 11)] = forger.random.choice(
+            ["nan", "inf", "-inf", None, 1e308]
+        )
         return pair.forged(header)
     if how in ("motion", "slightly"):
         exact = hb.symmetric if header["quantity"] == "symmetric" else hb.directed
-        there = exact(as_arrays(pair.source), as_arrays(pair.target), tolerance=1e-12, **poses).interval.lower
+        there = exact(
+            as_arrays(pair.source), as_arrays(pair.target), tolerance=1e-12, **poses
+        ).interval.lower
         if there <= header["upper"] * (1 + 1e-12):
             return None
     return pair.forged(header, **poses)
@@ -204,17 +255,23 @@ def square(p: list[Fraction], q: list[Fraction]) -> Fraction:
 
 
 def flattened(forger: Forger) -> Forgery | None:
-    """A translation so large that rounding flattens A onto a point of B. The proof is true for the rounded points."""
+    """A translation so large that rounding flattens A onto a point of B. The proof is true for the
+    rounded points."""
     size = 10 ** forger.random.uniform(-3, 3)
     source = forger.soup(size, 1)
-    far = 10 ** forger.random.uniform(math.log10(size) + 8, forger.random.choice([20, 20, 100, 300]))
+    far = 10 ** forger.random.uniform(
+        math.log10(size) + 8, forger.random.choice([20, 20, 100, 300])
+    )
     shift = [forger.random.uniform(-1, 1) * far for _ in range(3)]
     place = [tuple(x + s for x, s in zip(v, shift)) for v in source[0]]
     both = forger.random.random() < 0.3
     points: Points = [place[0], place[0], place[0]] if not both else [source[0][0]] * 3
     target: Mesh = (points, [(0, 1, 2)])
     if forger.random.random() < 0.5:  # so that B is as large as the translation
-        target = (points + [(0.0, 0.0, 0.0), (size, 0.0, 0.0), (0.0, size, 0.0)], [(0, 1, 2), (3, 4, 5)])
+        target = (
+            points + [(0.0, 0.0, 0.0), (size, 0.0, 0.0), (0.0, size, 0.0)],
+            [(0, 1, 2), (3, 4, 5)],
+        )
     matrix = np.eye(4)
     matrix[:3, 3] = shift
     moved = [tuple(x + s for x, s in zip(v, shift)) for v in target[0]] if both else target[0]
@@ -224,12 +281,36 @@ def flattened(forger: Forger) -> Forgery | None:
     true = max(square(p, to) for p in there)
     if true <= (Fraction(claimed) * Fraction(11, 10)) ** 2:
         return None
-    header = {"hausbench_certificate": 2, "source": {"file": "a.off", "sha256": sha256_of(source), "pose": pose_numbers(matrix)},
-              "target": {"file": "b.off", "sha256": sha256_of(target), "pose": pose_numbers(matrix if both else np.eye(4))},
-              "quantity": "directed", "solver": "cover", "tolerance": 1e-6, "tolerance_of": "diagonal", "lower": 0, "upper": claimed,
-              "witness": {"direction": "source to target", "source_point": ["nan"] * 3, "target_point": ["nan"] * 3,
-                          "source_element": -1, "target_element": -1},
-              "certificates": [{"format": "hausbench cover 1", "direction": "source to target", "proven": claimed, "bytes": 1}]}
+    header = {
+        "hausbench_certificate": 2,
+        "source": {"file": "a.off", "sha256": sha256_of(source), "pose": pose_numbers(matrix)},
+        "target": {
+            "file": "b.off",
+            "sha256": sha256_of(target),
+            "pose": pose_numbers(matrix if both else np.eye(4)),
+        },
+        "quantity": "directed",
+        "solver": "cover",
+        "tolerance": 1e-6,
+        "tolerance_of": "diagonal",
+        "lower": 0,
+        "upper": claimed,
+        "witness": {
+            "direction": "source to target",
+            "source_point": ["nan"] * 3,
+            "target_point": ["nan"] * 3,
+            "source_element": -1,
+            "target_element": -1,
+        },
+        "certificates": [
+            {
+                "format": "hausbench cover 1",
+                "direction": "source to target",
+                "proven": claimed,
+                "bytes": 1,
+            }
+        ],
+    }
     return Forgery(header, b"\x01", source, target, matrix, matrix if both else None)
 
 
@@ -240,7 +321,9 @@ def not_a_point(forger: Forger) -> Forgery | None:
     if not header["lower"] > 0:
         return None
     header["lower"] *= forger.random.choice([1, 0.5, forger.random.uniform(0, 1)])
-    point = "source_point" if header["witness"]["direction"] == "source to target" else "target_point"
+    point = (
+        "source_point" if header["witness"]["direction"] == "source to target" else "target_point"
+    )
     bad = forger.random.choice(["nan", "inf", "-inf"])
     for k in forger.random.sample(range(3), forger.random.randint(1, 3)):
         header["witness"][point][k] = bad
@@ -256,7 +339,12 @@ def without_witness(forger: Forger) -> Forgery | None:
     if not header["upper"] > 0:
         return None
     header["lower"] = header["upper"] * forger.random.uniform(0.001, 1)
-    header["witness"] |= {"source_point": ["nan"] * 3, "target_point": ["nan"] * 3, "source_element": -1, "target_element": -1}
+    header["witness"] |= {
+        "source_point": ["nan"] * 3,
+        "target_point": ["nan"] * 3,
+        "source_element": -1,
+        "target_element": -1,
+    }
     if forger.random.random() < 0.3:
         del header["witness"][forger.random.choice(["source_point", "direction", "source_element"])]
     elif forger.random.random() < 0.2:
@@ -268,8 +356,13 @@ def crossed(forger: Forger) -> Forgery:
     """A lower bound above the upper one, or above the true distance."""
     pair = forger.pair()
     header = copy.deepcopy(pair.header)
-    header["lower"] = forger.random.choice([
-        max(header["upper"], pair.lower) * (1 + 10 ** forger.random.uniform(-9, 3)) + 1e-300, math.nextafter(header["upper"], math.inf), 1e308])
+    header["lower"] = forger.random.choice(
+        [
+            max(header["upper"], pair.lower) * (1 + 10 ** forger.random.uniform(-9, 3)) + 1e-300,
+            math.nextafter(header["upper"], math.inf),
+            1e308,
+        ]
+    )
     if forger.random.random() < 0.5:
         header["upper"] = header["lower"] * 2
     return pair.forged(header)
@@ -314,15 +407,24 @@ def swapped(forger: Forger) -> Forgery | None:
     if forger.random.random() < 0.3:
         return pair.forged(header, source=pair.target, target=pair.source)
     header["source"], header["target"] = header["target"], header["source"]
-    header["witness"] |= {"source_point": ["nan"] * 3, "target_point": ["nan"] * 3, "source_element": -1, "target_element": -1}
+    header["witness"] |= {
+        "source_point": ["nan"] * 3,
+        "target_point": ["nan"] * 3,
+        "source_element": -1,
+        "target_element": -1,
+    }
     header["lower"] = 0
-    if hb.directed(as_arrays(pair.target), as_arrays(pair.source), tolerance=1e-12).interval.lower <= header["upper"]:
+    if (
+        hb.directed(as_arrays(pair.target), as_arrays(pair.source), tolerance=1e-12).interval.lower
+        <= header["upper"]
+    ):
         return None
     return pair.forged(header, source=pair.target, target=pair.source)
 
 
 def scaled(forger: Forger) -> Forgery | None:
-    """Shapes of any size, up to the ends of the range of doubles, with a lowered upper bound or a raised lower one."""
+    """Shapes of any size, up to the ends of the range of doubles, with a lowered upper bound or a
+    raised lower one."""
     pair = forger.pair(moved=False)
     if not pair.lower > 1e-3:
         return None
@@ -334,7 +436,12 @@ def scaled(forger: Forger) -> Forgery | None:
     source, target = times(pair.source), times(pair.target)
     part = 1 - 10 ** forger.random.uniform(-9, 0)
     header = stating(pair.header, math.ldexp(pair.lower * part, exponent), lower=0)
-    header["witness"] |= {"source_point": ["nan"] * 3, "target_point": ["nan"] * 3, "source_element": -1, "target_element": -1}
+    header["witness"] |= {
+        "source_point": ["nan"] * 3,
+        "target_point": ["nan"] * 3,
+        "source_element": -1,
+        "target_element": -1,
+    }
     for one in header["certificates"]:
         one["proven"] = header["upper"]
     how = forger.random.choice(["claimed", "stated", "negative", "lower"])
@@ -353,28 +460,60 @@ def scaled(forger: Forger) -> Forgery | None:
 
 
 KINDS: dict[str, Callable[[Forger], Forgery | None]] = {
-    one.__name__: one for one in (used_at_rest, pose_changed, flattened, not_a_point, without_witness, crossed, off_the_shape, upper_lowered,
-                                  swapped, scaled)}
+    one.__name__: one
+    for one in (
+        used_at_rest,
+        pose_changed,
+        flattened,
+        not_a_point,
+        without_witness,
+        crossed,
+        off_the_shape,
+        upper_lowered,
+        swapped,
+        scaled,
+    )
+}
 
 
-# --- the checks -----------------------------------------------------------------------------------------------------------
+# --- the checks
+# -----------------------------------------------------------------------------------------------------------
 
 
 class CLibrary:
     """hausbench_verify and hausbench_verify_posed, called through ctypes."""
 
     class Array(ctypes.Structure):
-        _fields_ = [("data", ctypes.c_void_p), ("rows", ctypes.c_int64), ("row_stride", ctypes.c_int64), ("column_stride", ctypes.c_int64),
-                    ("type", ctypes.c_int32), ("reserved", ctypes.c_int32)]
+        _fields_ = [
+            ("data", ctypes.c_void_p),
+            ("rows", ctypes.c_int64),
+            ("row_stride", ctypes.c_int64),
+            ("column_stride", ctypes.c_int64),
+            ("type", ctypes.c_int32),
+            ("reserved", ctypes.c_int32),
+        ]
 
     class Error(ctypes.Structure):
-        _fields_ = [("size", ctypes.c_size_t), ("code", ctypes.c_int32), ("argument", ctypes.c_int32), ("row", ctypes.c_int64),
-                    ("text", ctypes.c_char * 1024)]
+        _fields_ = [
+            ("size", ctypes.c_size_t),
+            ("code", ctypes.c_int32),
+            ("argument", ctypes.c_int32),
+            ("row", ctypes.c_int64),
+            ("text", ctypes.c_char * 1024),
+        ]
 
     class Verdict(ctypes.Structure):
-        _fields_ = [("size", ctypes.c_size_t), ("accepted", ctypes.c_int32), ("reserved", ctypes.c_int32), ("lower", ctypes.c_double),
-                    ("upper", ctypes.c_double), ("proven", ctypes.c_double), ("text", ctypes.c_char * 1024),
-                    ("source_pose", ctypes.c_double * 16), ("target_pose", ctypes.c_double * 16)]
+        _fields_ = [
+            ("size", ctypes.c_size_t),
+            ("accepted", ctypes.c_int32),
+            ("reserved", ctypes.c_int32),
+            ("lower", ctypes.c_double),
+            ("upper", ctypes.c_double),
+            ("proven", ctypes.c_double),
+            ("text", ctypes.c_char * 1024),
+            ("source_pose", ctypes.c_double * 16),
+            ("target_pose", ctypes.c_double * 16),
+        ]
 
     def __init__(self, file: Path):
         self.library = ctypes.CDLL(str(file))
@@ -384,15 +523,25 @@ class CLibrary:
         for array, kind in zip(as_arrays(mesh), (0, 2)):
             tables.append((array, self.Array(array.ctypes.data, len(array), 24, 8, kind, 0)))
         shape, error = ctypes.c_void_p(), self.Error(ctypes.sizeof(self.Error))
-        code = self.library.hausbench_shape_of(ctypes.byref(tables[0][1]), ctypes.byref(tables[1][1]), ctypes.byref(shape), ctypes.byref(error))
+        code = self.library.hausbench_shape_of(
+            ctypes.byref(tables[0][1]),
+            ctypes.byref(tables[1][1]),
+            ctypes.byref(shape),
+            ctypes.byref(error),
+        )
         assert code == 0, error.text
         return shape
 
     def accepts(self, file: Path, forgery: Forgery) -> bool:
         a, b = self.shape(forgery.source), self.shape(forgery.target)
-        verdict, error = self.Verdict(ctypes.sizeof(self.Verdict)), self.Error(ctypes.sizeof(self.Error))
+        verdict, error = self.Verdict(ctypes.sizeof(self.Verdict)), self.Error(
+            ctypes.sizeof(self.Error)
+        )
         tail = (ctypes.byref(verdict), ctypes.byref(error))
-        poses = [None if pose is None else (ctypes.c_double * 16)(*pose.ravel()) for pose in (forgery.pose, forgery.target_pose)]
+        poses = [
+            None if pose is None else (ctypes.c_double * 16)(*pose.ravel())
+            for pose in (forgery.pose, forgery.target_pose)
+        ]
         if poses == [None, None]:
             code = self.library.hausbench_verify(str(file).encode(), a, b, *tail)
         else:
@@ -402,13 +551,21 @@ class CLibrary:
         return bool(code == 0 and verdict.accepted)
 
 
-def accepted_by(forgery: Forgery, folder: Path, c: CLibrary | None, program: Path | None) -> list[str]:
+def accepted_by(
+    forgery: Forgery, folder: Path, c: CLibrary | None, program: Path | None
+) -> list[str]:
     """Returns who accepts the forgery."""
     file = folder / "forged"
     file.write_bytes(sealed(forgery.header, forgery.rest))
     who = []
     try:
-        if hb.verify(file, as_arrays(forgery.source), as_arrays(forgery.target), pose=forgery.pose, target_pose=forgery.target_pose):
+        if hb.verify(
+            file,
+            as_arrays(forgery.source),
+            as_arrays(forgery.target),
+            pose=forgery.pose,
+            target_pose=forgery.target_pose,
+        ):
             who.append("Python")
     except hb.InputError:
         pass
@@ -417,7 +574,12 @@ def accepted_by(forgery: Forgery, folder: Path, c: CLibrary | None, program: Pat
     if program and forgery.at_its_poses:
         for name, mesh in (("a.off", forgery.source), ("b.off", forgery.target)):
             (folder / name).write_text(off_text(mesh))
-        done = subprocess.run([program, "verify", "--certificate", file, folder / "a.off", folder / "b.off"], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [program, "verify", "--certificate", file, folder / "a.off", folder / "b.off"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode not in (1, 2):
             who.append(f"the program (exit code {done.returncode})")
     return who
@@ -436,7 +598,11 @@ def forgeries(kind: str, count: int, seed: int, folder: Path) -> Iterator[Forger
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--program", type=Path, default=Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench")))
+    parser.add_argument(
+        "--program",
+        type=Path,
+        default=Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench")),
+    )
     parser.add_argument("--count", type=int, default=1000, help="of each kind")
     parser.add_argument("--each", type=int, default=10, help="the program checks each such one")
     parser.add_argument("--seed", type=int, default=1)
@@ -449,10 +615,15 @@ def main() -> int:
         for kind in options.kind or KINDS:
             accepted = 0
             for i, one in enumerate(forgeries(kind, options.count, options.seed, folder)):
-                if who := accepted_by(one, folder, c, options.program if i % options.each == 0 else None):
+                if who := accepted_by(
+                    one, folder, c, options.program if i % options.each == 0 else None
+                ):
                     accepted += 1
                     if accepted <= 3:
-                        print(f"{kind} {i}: accepted by {' and '.join(who)}: {json.dumps(one.header)[:600]}", file=sys.stderr)
+                        print(
+                            f"{kind} {i}: accepted by {' and '.join(who)}: {json.dumps(one.header)[:600]}",
+                            file=sys.stderr,
+                        )
             print(f"{kind}: {options.count} forged, {accepted} accepted", flush=True)
             wrong += accepted
     return 1 if wrong else 0

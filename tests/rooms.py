@@ -1,4 +1,5 @@
-"""The folders ("rooms") of the C++ code, their includes, and a picture of both: `python3 tests/rooms.py` writes docs/rooms.svg."""
+"""The folders ("rooms") of the C++ code, their includes, and a picture of both: `python3
+tests/rooms.py` writes docs/rooms.svg."""
 
 import re
 from collections import defaultdict
@@ -55,7 +56,8 @@ SOLVERS = ("points", "meshes", "surfaces", "peers")
 
 
 def room_of(path: Path) -> str:
-    """Returns a source file's room: its folder in harness/ or algorithms/, else its top-level folder."""
+    """Returns a source file's room: its folder in harness/ or algorithms/, else its top-level
+    folder."""
     parts = path.relative_to(ROOT).parts
     if parts[0] == "algorithms":
         if len(parts) == 2:
@@ -69,13 +71,20 @@ def room_of(path: Path) -> str:
 def sources() -> list[Path]:
     """Returns the C++ files of all rooms."""
     folders = ("algorithms", "process", "datasets", "harness", "library", "python")
-    return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in (".h", ".hpp", ".cpp") and "recorder" not in p.parts)
+    return sorted(
+        p
+        for f in folders
+        for p in (ROOT / f).rglob("*")
+        if p.suffix in (".h", ".hpp", ".cpp") and "recorder" not in p.parts
+    )
 
 
 def includes(files: list[Path]) -> dict[Path, set[Path]]:
     """Returns the project files that each file includes, resolved from the root."""
     known = set(files)
-    return {file: {ROOT / name for name in INCLUDE.findall(file.read_text())} & known for file in files}
+    return {
+        file: {ROOT / name for name in INCLUDE.findall(file.read_text())} & known for file in files
+    }
 
 
 def between_rooms(graph: dict[Path, set[Path]]) -> dict[tuple[str, str], list[str]]:
@@ -84,14 +93,21 @@ def between_rooms(graph: dict[Path, set[Path]]) -> dict[tuple[str, str], list[st
     for file, others in graph.items():
         for other in others:
             if room_of(file) != room_of(other):
-                arrows[room_of(file), room_of(other)].append(f"{file.relative_to(ROOT)} includes {other.relative_to(ROOT)}")
+                arrows[room_of(file), room_of(other)].append(
+                    f"{file.relative_to(ROOT)} includes {other.relative_to(ROOT)}"
+                )
     return arrows
 
 
 def steps_up(arrows: dict[tuple[str, str], list[str]]) -> list[str]:
     """Returns the includes that do not lead to a lower step."""
     step = {room: number for number, rooms in enumerate(STAIRCASE) for room in rooms}
-    return [line for (above, below), lines in arrows.items() if step[above] >= step[below] for line in lines]
+    return [
+        line
+        for (above, below), lines in arrows.items()
+        if step[above] >= step[below]
+        for line in lines
+    ]
 
 
 def circle(graph: dict[Path, set[Path]]) -> list[Path]:
@@ -116,7 +132,8 @@ WIDTH, HEIGHT, GAP, LEFT, TOP = 640, 34, 22, 190, 14
 
 
 def place_of(room: str) -> tuple[int, int, int]:
-    """Returns left edge, top edge and width of a room's box. Rooms on the same step are side by side."""
+    """Returns left edge, top edge and width of a room's box. Rooms on the same step are side by
+    side."""
     step = next(number for number, rooms in enumerate(STAIRCASE) if room in rooms)
     beside = STAIRCASE[step]
     width = (WIDTH - GAP * (len(beside) - 1)) // len(beside)
@@ -124,12 +141,15 @@ def place_of(room: str) -> tuple[int, int, int]:
 
 
 def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
-    """Returns the staircase as SVG. Arrows to the next step are straight; longer ones bend around the boxes."""
+    """Returns the staircase as SVG. Arrows to the next step are straight; longer ones bend around
+    the boxes."""
     height = TOP * 2 + len(STAIRCASE) * (HEIGHT + GAP) - GAP
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * LEFT + WIDTH} {height}" font-family="sans-serif" font-size="13">',
-             "<title>Which room includes which: every arrow goes down</title>",
-             '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-             '<path d="M0 0 L8 4 L0 8 z" fill="#555"/></marker></defs>']
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * LEFT + WIDTH} {height}" font-family="sans-serif" font-size="13">',
+        "<title>Which room includes which: every arrow goes down</title>",
+        '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
+        '<path d="M0 0 L8 4 L0 8 z" fill="#555"/></marker></defs>',
+    ]
     step = {room: number for number, rooms in enumerate(STAIRCASE) for room in rooms}
     for above, below in sorted(arrows, key=lambda pair: (step[pair[0]], step[pair[1]], pair)):
         (x, y, width), (to_x, to_y, to_width) = place_of(above), place_of(below)
@@ -138,19 +158,29 @@ def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
             middle = x + width // 2 if to_width >= width else to_x + to_width // 2
             path = f"M{middle} {y + HEIGHT} L{middle} {to_y}"
         else:
-            beside = [STAIRCASE[step[room]].index(room) for room in (above, below) if len(STAIRCASE[step[room]]) > 1]
+            beside = [
+                STAIRCASE[step[room]].index(room)
+                for room in (above, below)
+                if len(STAIRCASE[step[room]]) > 1
+            ]
             right = beside[0] == 1 if beside else step[above] % 2 == 0
             start, end = (x + width, to_x + to_width) if right else (x, to_x)
             out = (1 if right else -1) * (12 + 19 * down)
             start_y, end_y = y + HEIGHT // 2 + 2 * down - 8, to_y + HEIGHT // 2 - 2 * down + 8
             path = f"M{start} {start_y} C{start + out} {start_y + 14}, {end + out} {end_y - 14}, {end} {end_y}"
-        lines.append(f'<path d="{path}" fill="none" stroke="#555" stroke-opacity="0.75" marker-end="url(#head)"/>')
+        lines.append(
+            f'<path d="{path}" fill="none" stroke="#555" stroke-opacity="0.75" marker-end="url(#head)"/>'
+        )
     for rooms in STAIRCASE:
         for room in rooms:
             x, y, width = place_of(room)
             name, what = WHAT[room].split(": ")
-            text = f'<tspan font-weight="bold">{name}</tspan>' + f' <tspan fill="#444">{what}</tspan>'
-            lines.append(f'<rect x="{x}" y="{y}" width="{width}" height="{HEIGHT}" rx="4" fill="#eef3f8" stroke="#5b7a99"/>')
+            text = (
+                f'<tspan font-weight="bold">{name}</tspan>' + f' <tspan fill="#444">{what}</tspan>'
+            )
+            lines.append(
+                f'<rect x="{x}" y="{y}" width="{width}" height="{HEIGHT}" rx="4" fill="#eef3f8" stroke="#5b7a99"/>'
+            )
             lines.append(f'<text x="{x + 10}" y="{y + 22}">{text}</text>')
     return "\n".join([*lines, "</svg>"]) + "\n"
 

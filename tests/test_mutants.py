@@ -1,4 +1,5 @@
-"""Every switch has an entry and a test. The script that runs them is tested on a toy tree of one function and two tests."""
+"""Every switch has an entry and a test. The script that runs them is tested on a toy tree of one
+function and two tests."""
 
 from __future__ import annotations
 
@@ -62,7 +63,8 @@ def toy(tmp_path: Path) -> Path:
     (tmp_path / "bound_test.cpp").write_text(TEST)
     (tmp_path / "tests" / "CMakeLists.txt").write_text("hausbench_test(bound_test)\n")
     (tmp_path / "tests" / "test_toy.py").write_text(
-        "import os\n\n\ndef test_switch():\n    assert 'HAUSBENCH_MUTANT' not in os.environ\n\n\ndef test_nothing():\n    pass\n")
+        "import os\n\n\ndef test_switch():\n    assert 'HAUSBENCH_MUTANT' not in os.environ\n\n\ndef test_nothing():\n    pass\n"
+    )
     subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
     return tmp_path
 
@@ -86,31 +88,51 @@ def test_caught_and_survived_are_told_apart(toy: Path, capsys: pytest.CaptureFix
 
 
 def test_python_tests_and_patterns(toy: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    entries = (SLACK, LESS | {"test": "pytest tests/test_toy.py::test_switch"}, GREATER | {"test": "pytest tests/test_toy.py::test_nothing"})
+    entries = (
+        SLACK,
+        LESS | {"test": "pytest tests/test_toy.py::test_switch"},
+        GREATER | {"test": "pytest tests/test_toy.py::test_nothing"},
+    )
     assert run(toy, *entries, arguments=("less",)) == 0
     assert "1 caught, 0 survived;" in capsys.readouterr().out
     assert run(toy, *entries, arguments=("greater",)) == 1
     assert "0 caught, 1 survived;" in capsys.readouterr().out
     assert run(toy, *entries, arguments=("--list", "slack")) == 0
-    assert capsys.readouterr().out == "bound.h: the slack  (bound_test)\nbound.h: less slack  (pytest tests/test_toy.py::test_switch)\n"
+    assert (
+        capsys.readouterr().out
+        == "bound.h: the slack  (bound_test)\nbound.h: less slack  (pytest tests/test_toy.py::test_switch)\n"
+    )
 
 
-@pytest.mark.parametrize("entry, message", [
-    ({"name": "the play"}, "the play: no source has a switch of this name"),
-    ({"name": "the play"}, "the slack: has a switch in bound.h, but no entry"),
-    ({"name": "less slack"}, "less slack: two entries have this name"),
-    ({"test": "other_test"}, "the slack: there is no test other_test"),
-    ({"test": "pytest tests/test_other.py::test_x"}, "there is no test pytest tests/test_other.py::test_x"),
-    ({"filter": "Nobody.*"}, "the slack: bound_test Nobody.* runs no test; is its filter right?"),
-    ({"test": "pytest tests/test_toy.py::test_gone"}, "runs no test"),
-    ({"filter": '"\nnote = "'}, "the slack: unknown key note"),
-])
-def test_a_wrong_entry_is_named(toy: Path, capsys: pytest.CaptureFixture[str], entry: dict[str, str], message: str) -> None:
+@pytest.mark.parametrize(
+    "entry, message",
+    [
+        ({"name": "the play"}, "the play: no source has a switch of this name"),
+        ({"name": "the play"}, "the slack: has a switch in bound.h, but no entry"),
+        ({"name": "less slack"}, "less slack: two entries have this name"),
+        ({"test": "other_test"}, "the slack: there is no test other_test"),
+        (
+            {"test": "pytest tests/test_other.py::test_x"},
+            "there is no test pytest tests/test_other.py::test_x",
+        ),
+        (
+            {"filter": "Nobody.*"},
+            "the slack: bound_test Nobody.* runs no test; is its filter right?",
+        ),
+        ({"test": "pytest tests/test_toy.py::test_gone"}, "runs no test"),
+        ({"filter": '"\nnote = "'}, "the slack: unknown key note"),
+    ],
+)
+def test_a_wrong_entry_is_named(
+    toy: Path, capsys: pytest.CaptureFixture[str], entry: dict[str, str], message: str
+) -> None:
     assert run(toy, LESS, GREATER, SLACK | entry) == 1
     assert message in capsys.readouterr().err
 
 
-def test_a_test_that_is_red_anyway_proves_nothing(toy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_test_that_is_red_anyway_proves_nothing(
+    toy: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (toy / "bound.h").write_text(BOUND.replace("1.5", "0.5"))
     assert run(toy, SLACK, LESS, GREATER) == 1
     assert "bound_test  fails without a switch" in capsys.readouterr().err

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Counts habits of prose that make readers stumble, in comments, docstrings, documents and messages (quoted texts of four words and more).
+"""Counts habits of prose that make readers stumble, in comments, docstrings, documents and messages
+(quoted texts of four words and more).
 
 prose.py [--places] [PATH ...]   PATH: files or folders of the repository (default: all of it)
 
-Prints one line for each habit: its count, its rate per 1,000 words, and the rate that we aim for. --places lists the places.
-The exit code is 0 whatever the counts.
+Prints one line for each habit: its count, its rate per 1,000 words, and the rate that we aim for.
+--places lists the places. The exit code is 0 whatever the counts.
 """
 
 import argparse
@@ -59,10 +60,14 @@ def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
 
 
 def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
-    """Returns the comments that start with a mark, with their line numbers. A mark inside a string or a URL does not count."""
+    """Returns the comments that start with a mark, with their line numbers. A mark inside a string
+    or a URL does not count."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
-        hit = re.search(rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)", re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line))
+        hit = re.search(
+            rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)",
+            re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line),
+        )
         if hit:
             found.append((number, line[hit.start(1) :]))
     return found
@@ -76,7 +81,8 @@ def is_message(text: str) -> bool:
 
 
 def messages_of_cpp(text: str) -> list[tuple[int, str]]:
-    """Returns the quoted texts of each line without comments that look like sentences. A text that goes on in the next line is one."""
+    """Returns the quoted texts of each line without comments that look like sentences. A text that
+    goes on in the next line is one."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
         quoted = " ".join(QUOTED.findall(re.sub(r"(?:^|\s)//.*", "", line)))
@@ -92,7 +98,11 @@ def messages_of_python(text: str) -> list[tuple[int, str]]:
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         docstring = before in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
         if token.type == middle or (token.type == tokenize.STRING and not docstring):
-            found += [(token.start[0] + i, line.strip("fr\"' ")) for i, line in enumerate(token.string.splitlines()) if is_message(line)]
+            found += [
+                (token.start[0] + i, line.strip("fr\"' "))
+                for i, line in enumerate(token.string.splitlines())
+                if is_message(line)
+            ]
         if token.type not in (tokenize.NL, tokenize.COMMENT):
             before = token.type
     return found
@@ -104,8 +114,15 @@ def of_python(text: str) -> list[tuple[int, str]]:
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
             found.append((token.start[0], token.string.lstrip("#! ")))
-        elif token.type == tokenize.STRING and before in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT):
-            found += [(token.start[0] + i, line.strip('" ')) for i, line in enumerate(token.string.splitlines())]
+        elif token.type == tokenize.STRING and before in (
+            tokenize.NEWLINE,
+            tokenize.INDENT,
+            tokenize.DEDENT,
+        ):
+            found += [
+                (token.start[0] + i, line.strip('" '))
+                for i, line in enumerate(token.string.splitlines())
+            ]
         if token.type not in (tokenize.NL, tokenize.COMMENT):
             before = token.type
     return found
@@ -116,7 +133,9 @@ def of_document(text: str) -> list[tuple[int, str]]:
     found, code = [], False
     for number, line in enumerate(text.splitlines(), 1):
         code ^= line.lstrip().startswith("```")
-        found.append((number, "" if code or line.lstrip().startswith("```") else line.strip("#|>-* ")))
+        found.append(
+            (number, "" if code or line.lstrip().startswith("```") else line.strip("#|>-* "))
+        )
     return found
 
 
@@ -135,14 +154,28 @@ def prose(path: Path) -> list[Paragraph]:
 
 
 def files(paths: list[Path]) -> list[Path]:
-    names = subprocess.run(["git", "ls-files", "-z", *map(str, paths)], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
+    names = subprocess.run(
+        ["git", "ls-files", "-z", *map(str, paths)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split("\0")
     kinds = {".cpp", ".h", ".py", ".md", ".toml", ".cmake", ".in"}
     chosen = [ROOT / name for name in names if name and not name.startswith("results/")]
-    return [path for path in chosen if path.suffix in kinds or path.name in ("Makefile", "CMakeLists.txt") or (not path.suffix and path.parent.name in ("tools", ".ci"))]
+    return [
+        path
+        for path in chosen
+        if path.suffix in kinds
+        or path.name in ("Makefile", "CMakeLists.txt")
+        or (not path.suffix and path.parent.name in ("tools", ".ci"))
+    ]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--places", action="store_true", help="list every place")
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH")
     arguments = parser.parse_args()
@@ -158,7 +191,9 @@ def main() -> None:
     print(f"{'habit':<34} {'count':>6} {'per 1,000':>10} {'goal':>6}   ({words:,} words)")
     for habit in HABITS:
         goal = "" if habit.goal is None else f"{habit.goal:.2f}"
-        print(f"{habit.name:<34} {len(found[habit.name]):>6} {1000 * len(found[habit.name]) / max(words, 1):>10.2f} {goal:>6}")
+        print(
+            f"{habit.name:<34} {len(found[habit.name]):>6} {1000 * len(found[habit.name]) / max(words, 1):>10.2f} {goal:>6}"
+        )
         if arguments.places:
             print(*(f"    {place}" for place in found[habit.name]), sep="\n")
 

@@ -1,4 +1,5 @@
-"""Runs of all solvers on a large collection of meshes: the share of meshes answered over time, and the reasons for failures."""
+"""Runs of all solvers on a large collection of meshes: the share of meshes answered over time, and
+the reasons for failures."""
 
 from __future__ import annotations
 
@@ -23,27 +24,43 @@ MOST_NAMED: Final = 20  # meshes listed by name for one reason; the CSV has all
 
 
 def seconds(results: Results, row: int) -> float:
-    """Returns the time to prepare and give the first answer in round 0; NaN if the row did not reach the tolerance."""
-    return results.total_by_round(row).get(0, np.nan) if results.cases.status[row] == ANSWERS else np.nan
+    """Returns the time to prepare and give the first answer in round 0; NaN if the row did not
+    reach the tolerance."""
+    return (
+        results.total_by_round(row).get(0, np.nan)
+        if results.cases.status[row] == ANSWERS
+        else np.nan
+    )
 
 
 def shown_reason(reason: str) -> str:
-    """Removes names, paths and numbers from a reason, so that similar reasons are counted together."""
+    """Removes names, paths and numbers from a reason, so that similar reasons are counted
+    together."""
+
     def differs(word: str, before: str | None) -> bool:
-        return before != "signal" and ("/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
+        return before != "signal" and (
+            "/" in word or word[0] in "'\"" or any(character.isdigit() for character in word)
+        )
 
     said = reason.split(";")[0].split()
     words = ["…" if differs(word, before) else word for word, before in zip(said, [None, *said])]
-    return " ".join(word for word, before in zip(words, [None, *words]) if (word, before) != ("…", "…"))
+    return " ".join(
+        word for word, before in zip(words, [None, *words]) if (word, before) != ("…", "…")
+    )
 
 
 def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
-    """Returns status and reason of each scene that no solver could run, because its mesh could not be read or derived."""
+    """Returns status and reason of each scene that no solver could run, because its mesh could not
+    be read or derived."""
     cases = results.cases
     found: dict[str, tuple[str, str]] = {}
     for scene in results.scenes:
         rows = results.rows(scene=scene)
-        if all(np.isnan(cases.solve_seconds[row]) and cases.source_elements[row] * cases.target_elements[row] == 0 for row in rows):
+        if all(
+            np.isnan(cases.solve_seconds[row])
+            and cases.source_elements[row] * cases.target_elements[row] == 0
+            for row in rows
+        ):
             found[scene] = (cases.status[rows[0]], cases.reason[rows[0]])
     return found
 
@@ -54,11 +71,21 @@ def sound(results: Results) -> Verdict:
     Each mesh is one trial, because solvers on the same mesh are not independent.
     """
     cases, lost = results.cases, unmeasured(results)
-    rows = [row for row in range(len(cases))
-            if cases.certified[row] == 1 and cases.scene[row] not in lost and cases.status[row] not in NEVER_RAN]
+    rows = [
+        row
+        for row in range(len(cases))
+        if cases.certified[row] == 1
+        and cases.scene[row] not in lost
+        and cases.status[row] not in NEVER_RAN
+    ]
     ill = [row for row in rows if cases.status[row] in ("unsound", "signal", "failed")]
-    return never(claims.of("hausbench", "corpus"), len(ill), len(rows), "cases",
-                 len({cases.scene[row] for row in rows}))
+    return never(
+        claims.of("hausbench", "corpus"),
+        len(ill),
+        len(rows),
+        "cases",
+        len({cases.scene[row] for row in rows}),
+    )
 
 
 def named(scenes: list[str]) -> str:
@@ -66,7 +93,8 @@ def named(scenes: list[str]) -> str:
 
 
 def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
-    """Returns one sentence per reason for missing answers, the most frequent first: of whole meshes, then of single solvers."""
+    """Returns one sentence per reason for missing answers, the most frequent first: of whole
+    meshes, then of single solvers."""
     cases = results.cases
     meshes: dict[str, list[str]] = {}
     for scene, (status, reason) in lost.items():
@@ -77,10 +105,16 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
     single: dict[tuple[str, str, str], list[str]] = {}
     for row in range(len(cases)):
         if cases.scene[row] not in lost and cases.status[row] != ANSWERS:
-            kind = (style.title(cases.solver[row], cases.label[row]), cases.status[row], shown_reason(cases.reason[row]))
+            kind = (
+                style.title(cases.solver[row], cases.label[row]),
+                cases.status[row],
+                shown_reason(cases.reason[row]),
+            )
             single.setdefault(kind, []).append(cases.scene[row])
-    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({named(scenes)})."
-              for (solver, status, reason), scenes in sorted(single.items(), key=lambda one: -len(one[1]))]
+    lines += [
+        f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({named(scenes)})."
+        for (solver, status, reason), scenes in sorted(single.items(), key=lambda one: -len(one[1]))
+    ]
     return lines
 
 
@@ -90,55 +124,113 @@ def late(results: Results) -> list[str]:
     Solvers are asked to stop at the limit and killed some seconds later; answers in between count.
     """
     cases = results.cases
-    after = Counter(style.title(cases.solver[row], cases.label[row]) for row in range(len(cases))
-                    if cases.status[row] == ANSWERS and cases.solve_seconds[row] > cases.case_seconds_limit[row])
-    return [f"{solver}: {count} of its answers came after the limit, but before it was ended." for solver, count in after.most_common()]
+    after = Counter(
+        style.title(cases.solver[row], cases.label[row])
+        for row in range(len(cases))
+        if cases.status[row] == ANSWERS and cases.solve_seconds[row] > cases.case_seconds_limit[row]
+    )
+    return [
+        f"{solver}: {count} of its answers came after the limit, but before it was ended."
+        for solver, count in after.most_common()
+    ]
 
 
 def make(results: Results) -> Report:
     cases, lost = results.cases, unmeasured(results)
     measured = [scene for scene in results.scenes if scene not in lost]
     labels = style.order(zip(cases.solver, cases.label))
-    times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
-    statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
+    times = {
+        label: [
+            seconds(results, row)
+            for scene in measured
+            for row in results.rows(scene=scene, label=label)
+        ]
+        for _, label in labels
+    }
+    statuses = sorted(
+        {cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost}
+        - {ANSWERS, *NEVER_RAN}
+    )
     table = tables.Table(
         f"{results.meta.get('title', '')}: tolerance {numerals.number(float(cases.tolerance[0]))} of the diagonal, on {len(measured)} of {len(results.scenes)} "
         f"meshes, within {numerals.number(float(cases.case_seconds_limit[0]))} s.",
-        ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
+        [
+            "solver",
+            "within tolerance",
+            *[style.status_word(status) for status in statuses],
+            "median, ms",
+            "90 % within, ms",
+            "slowest, ms",
+        ],
+    )
     records: list[tables.Record] = []
     for solver, label in labels:
         rows = [row for scene in measured for row in results.rows(scene=scene, label=label)]
-        counts, known = Counter(cases.status[row] for row in rows), np.array([x for x in times[label] if np.isfinite(x)])
+        counts, known = Counter(cases.status[row] for row in rows), np.array(
+            [x for x in times[label] if np.isfinite(x)]
+        )
         middle, slowest = median(known), 1e3 * float(known.max()) if len(known) else math.nan
-        table.rows.append([style.title(solver, label), f"{counts[ANSWERS]} of {len(rows)}", *[str(counts[status]) for status in statuses],
-                           numerals.estimate(middle, 1e3), quantile(known, 0.9), numerals.number(slowest)])
+        table.rows.append(
+            [
+                style.title(solver, label),
+                f"{counts[ANSWERS]} of {len(rows)}",
+                *[str(counts[status]) for status in statuses],
+                numerals.estimate(middle, 1e3),
+                quantile(known, 0.9),
+                numerals.number(slowest),
+            ]
+        )
     for row in range(len(cases)):
-        records.append({"mesh": cases.source[row], "triangles": int(cases.source_elements[row]), "solver": cases.solver[row],
-                        "label": cases.label[row], "status": cases.status[row], "reason": cases.reason[row],
-                        "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
-                        "diagonal": float(cases.source_diagonal[row]), "seconds": seconds(results, row)})
+        records.append(
+            {
+                "mesh": cases.source[row],
+                "triangles": int(cases.source_elements[row]),
+                "solver": cases.solver[row],
+                "label": cases.label[row],
+                "status": cases.status[row],
+                "reason": cases.reason[row],
+                "lower": float(cases.lower[row]),
+                "upper": float(cases.upper[row]),
+                "diagonal": float(cases.source_diagonal[row]),
+                "seconds": seconds(results, row),
+            }
+        )
     table.verdicts = [sound(results)]
-    table.notes += ["Times cover preparing and the first answer, only for answers within tolerance; the interval of a median is over meshes.",
-                    *late(results), *explained(results, lost), f"{machine_line(results)}."]
+    table.notes += [
+        "Times cover preparing and the first answer, only for answers within tolerance; the interval of a median is over meshes.",
+        *late(results),
+        *explained(results, lost),
+        f"{machine_line(results)}.",
+    ]
     return Report(lambda: draw(labels, times, len(measured)), table, records)
 
 
 def quantile(values: Sequence[float] | np.ndarray[Any, Any], share: float) -> str:
-    return numerals.number(1e3 * float(np.quantile(values, share))) if len(values) else numerals.NOTHING
+    return (
+        numerals.number(1e3 * float(np.quantile(values, share)))
+        if len(values)
+        else numerals.NOTHING
+    )
 
 
 def draw(labels: list[tuple[str, str]], times: dict[str, list[float]], meshes: int) -> Any:
-    """Draws the share of meshes answered within a time. A higher curve answers more; a curve further left answers sooner."""
+    """Draws the share of meshes answered within a time. A higher curve answers more; a curve
+    further left answers sooner."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     for solver, label in labels:
         known = np.sort([x for x in times[label] if np.isfinite(x)])
         looks = style.look(solver, label)
-        ax.step(1e3 * known, 100 * np.arange(1, len(known) + 1) / max(1, meshes), where="post", color=looks.colour, linestyle=looks.line,
-                label=style.title(solver, label))
+        ax.step(
+            1e3 * known,
+            100 * np.arange(1, len(known) + 1) / max(1, meshes),
+            where="post",
+            color=looks.colour,
+            linestyle=looks.line,
+            label=style.title(solver, label),
+        )
     ax.set_xscale("log")
     ax.set_ylim(0, 101)
     ax.set_xlabel("time to prepare and answer, ms")
     ax.set_ylabel("meshes answered, %")
     style.legend_above(figure, style.handles(labels), columns=4)
     return figure
-

@@ -1,4 +1,5 @@
-"""Compares mesh solvers with CGAL on each pair of meshes: time with preparation, speedup, and memory."""
+"""Compares mesh solvers with CGAL on each pair of meshes: time with preparation, speedup, and
+memory."""
 
 from __future__ import annotations
 
@@ -21,8 +22,15 @@ from analysis.shared.estimates import NO_DATA, Estimate, ratio_by_round, ratio_o
 from analysis.shared.verdicts import FAILS, NOT_JUDGED, OPEN, Verdict, above_one, everywhere
 
 PEER: Final = "cgal"
-AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # claimed speedup over CGAL, geometric mean
-LARGE: Final = {"cover": 30_000}  # this mean includes only pairs with at least so many triangles (default: all pairs)
+AIMS: Final = {
+    "cover": 40,
+    "sacht": 3,
+    "zheng": 2,
+    "tang": 1,
+}  # claimed speedup over CGAL, geometric mean
+LARGE: Final = {
+    "cover": 30_000
+}  # this mean includes only pairs with at least so many triangles (default: all pairs)
 EVERYWHERE: Final = {"cover": 5}  # claimed speedup over CGAL on every pair
 FINER: Final = {"cover": 25}  # claimed speedup over CGAL at each finer tolerance, geometric mean
 INTERVAL: Final = ", interval over rounds, for these pairs"
@@ -31,7 +39,8 @@ Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
 
 
 def ratio(pair: Pair) -> Estimate:
-    """Returns time of CGAL / time of the solver. If CGAL timed out, its limit is used, which gives a lower bound."""
+    """Returns time of CGAL / time of the solver. If CGAL timed out, its limit is used, which gives
+    a lower bound."""
     peer, own = pair
     if peer.failures and comparable(pair):
         return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
@@ -39,7 +48,8 @@ def ratio(pair: Pair) -> Estimate:
 
 
 def identical(results: Results, scene: str) -> bool:
-    """Tells whether A and B are the same mesh. The means leave such scenes out, because CGAL recognises identical faces."""
+    """Tells whether A and B are the same mesh. The means leave such scenes out, because CGAL
+    recognises identical faces."""
     row = results.rows(scene=scene)[0]
     return bool(results.cases.source[row] == results.cases.target[row])
 
@@ -62,36 +72,60 @@ def apart_of(pair: Pair) -> str:
 
 
 def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
-    """Returns the times of CGAL and of the solver in each round that has both. If CGAL timed out, its time is the limit."""
+    """Returns the times of CGAL and of the solver in each round that has both. If CGAL timed out,
+    its time is the limit."""
     peer, own = pair
     stopped = bool(peer.failures)
-    return {number: (limit_of(peer) if stopped else peer.times[number], seconds)
-            for number, seconds in own.times.items() if stopped or number in peer.times}
+    return {
+        number: (limit_of(peer) if stopped else peer.times[number], seconds)
+        for number, seconds in own.times.items()
+        if stopped or number in peer.times
+    }
 
 
 def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
-    """Returns the geometric mean over pairs of CGAL's time / the solver's, with an interval over rounds.
+    """Returns the geometric mean over pairs of CGAL's time / the solver's, with an interval over
+    rounds.
 
     Uses the rounds that all pairs have.
     """
     times = [times_by_round(pair) for pair in pairs]
     rounds = set[int]().union(*times).intersection(*times)
     means = {number: scipy.stats.gmean([of[number] for of in times], axis=0) for number in rounds}
-    return ratio_by_round({number: float(mean[0]) for number, mean in means.items()}, {number: float(mean[1]) for number, mean in means.items()})
+    return ratio_by_round(
+        {number: float(mean[0]) for number, mean in means.items()},
+        {number: float(mean[1]) for number, mean in means.items()},
+    )
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     """Judges the speedup of a solver over CGAL at the first tolerance."""
     title, aim = style.title(label), AIMS[label]
     among = f" over pairs of {LARGE[label]:,} triangles and more" if label in LARGE else ""
-    claim = claims.of("hausbench", "times_cgal" if aim > 1 else "as_fast_as_cgal", title=title, aim=aim, among=among, label=label)
-    return judge_mean(claim, aim, [pair for pair in pairs if size_of(pair[0]) >= LARGE.get(label, 0)])
+    claim = claims.of(
+        "hausbench",
+        "times_cgal" if aim > 1 else "as_fast_as_cgal",
+        title=title,
+        aim=aim,
+        among=among,
+        label=label,
+    )
+    return judge_mean(
+        claim, aim, [pair for pair in pairs if size_of(pair[0]) >= LARGE.get(label, 0)]
+    )
 
 
 def judge_finer(label: str, tolerance: float, pairs: Sequence[Pair]) -> Verdict:
     """Judges the speedup of a solver over CGAL at a finer tolerance."""
     aim = FINER[label]
-    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" over all pairs, at a tolerance of {numerals.number(tolerance)} of the diagonal", label=label)
+    claim = claims.of(
+        "hausbench",
+        "times_cgal",
+        title=style.title(label),
+        aim=aim,
+        among=f" over all pairs, at a tolerance of {numerals.number(tolerance)} of the diagonal",
+        label=label,
+    )
     return judge_mean(claim, aim, pairs)
 
 
@@ -103,14 +137,30 @@ def judge_mean(claim: Claim, aim: float, pairs: Sequence[Pair]) -> Verdict:
     lost = sum(not peer.failures for peer, own in pairs if own.failures)
     if mean.n:
         too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
-        verdict = replace(verdict, evidence=f"{too_few}{numerals.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
-    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL was given its limit as time, so the true mean may be larger
-        verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
-                          evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}")
+        verdict = replace(
+            verdict,
+            evidence=f"{too_few}{numerals.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}",
+        )
+    if stopped := sum(
+        bool(peer.failures) for peer, _ in answered
+    ):  # CGAL was given its limit as time, so the true mean may be larger
+        verdict = replace(
+            verdict,
+            outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
+            evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}",
+        )
     if lost:
-        verdict = replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
+        verdict = replace(
+            verdict,
+            outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN,
+            evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered",
+        )
     if reasons := [why for pair in pairs if (why := apart_of(pair))]:
-        verdict = replace(verdict, outcome=OPEN if mean.n else verdict.outcome, evidence=f"{verdict.evidence}; times {reasons[0]} on {len(reasons)} pairs")
+        verdict = replace(
+            verdict,
+            outcome=OPEN if mean.n else verdict.outcome,
+            evidence=f"{verdict.evidence}; times {reasons[0]} on {len(reasons)} pairs",
+        )
     return verdict
 
 
@@ -120,59 +170,129 @@ def size_of(cell: Cell) -> float:
 
 
 def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
-    """Judges the speedup on every pair. If CGAL timed out, its limit is used as its time, so the pair can only confirm the claim."""
+    """Judges the speedup on every pair. If CGAL timed out, its limit is used as its time, so the
+    pair can only confirm the claim."""
     aim = EVERYWHERE[label]
 
     def over_aim(pair: Pair) -> Estimate:
         if not comparable(pair):
             return apart(pair[0].origins | pair[1].origins) or NO_DATA
         times = times_by_round(pair)
-        found = ratio_by_round({number: theirs / aim for number, (theirs, _) in times.items()}, {number: ours for number, (_, ours) in times.items()})
+        found = ratio_by_round(
+            {number: theirs / aim for number, (theirs, _) in times.items()},
+            {number: ours for number, (_, ours) in times.items()},
+        )
         return NO_DATA if pair[0].failures and not found.low > 1 else found
 
     ratios = [over_aim(pair) for pair in pairs]
-    verdict = everywhere(claims.of("hausbench", "times_cgal_everywhere", title=style.title(label), aim=aim, label=label), ratios)
+    verdict = everywhere(
+        claims.of(
+            "hausbench", "times_cgal_everywhere", title=style.title(label), aim=aim, label=label
+        ),
+        ratios,
+    )
     known = [aim * x.value for x in ratios if x.n]
-    spread = f"{numerals.number(min(known))} to {numerals.number(max(known))} times; over {aim}: " if known else ""
-    few, _, rest = verdict.evidence.partition("; ") if verdict.outcome == NOT_JUDGED else ("", "", verdict.evidence)
+    spread = (
+        f"{numerals.number(min(known))} to {numerals.number(max(known))} times; over {aim}: "
+        if known
+        else ""
+    )
+    few, _, rest = (
+        verdict.evidence.partition("; ")
+        if verdict.outcome == NOT_JUDGED
+        else ("", "", verdict.evidence)
+    )
     return replace(verdict, evidence=f"{few}; " * bool(few) + spread + rest)
 
 
-def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:
-    """Returns a note on the geometric mean of time of `other` / time of `label`; empty if no pair has both."""
-    both = [(cells[scene, other], cells[scene, label]) for scene in scenes if {(scene, other), (scene, label)} <= cells.keys()]
-    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
+def against(
+    label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]
+) -> list[str]:
+    """Returns a note on the geometric mean of time of `other` / time of `label`; empty if no pair
+    has both."""
+    both = [
+        (cells[scene, other], cells[scene, label])
+        for scene in scenes
+        if {(scene, other), (scene, label)} <= cells.keys()
+    ]
+    answered = [
+        pair
+        for pair in both
+        if not pair[0].failures and not pair[1].failures and not apart_of(pair)
+    ]
     if not answered:
         return []
-    return [f"{style.title(other)} takes {numerals.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
-            f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."]
+    return [
+        f"{style.title(other)} takes {numerals.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
+        f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."
+    ]
 
 
 def pairs_with_cgal(results: Results, grid: Grid) -> dict[str, dict[str, Pair]]:
-    """Returns the cells of CGAL and of each solver, by label and scene. Leaves out scenes in which A and B are the same mesh."""
-    return {label: {scene: (grid.cells[scene, PEER], grid.cells[scene, label]) for scene in grid.scenes
-                    if not identical(results, scene) and {(scene, PEER), (scene, label)} <= grid.cells.keys()}
-            for _, label in grid.labels if label != PEER}
+    """Returns the cells of CGAL and of each solver, by label and scene. Leaves out scenes in which
+    A and B are the same mesh."""
+    return {
+        label: {
+            scene: (grid.cells[scene, PEER], grid.cells[scene, label])
+            for scene in grid.scenes
+            if not identical(results, scene)
+            and {(scene, PEER), (scene, label)} <= grid.cells.keys()
+        }
+        for _, label in grid.labels
+        if label != PEER
+    }
 
 
-def means(pairs: dict[str, dict[str, Pair]], labels: Sequence[tuple[str, str]], among: Sequence[str] | None = None) -> list[str]:
-    """Returns the geometric mean of each label over the pairs that it answered, or over the scenes `among`; empty for one without pairs."""
-    known = {label: {scene: pair for scene, pair in of.items() if comparable(pair)} for label, of in pairs.items()}
-    return [numerals.estimate(mean_ratio([pair for scene, pair in known[label].items() if among is None or scene in among])) if known.get(label) else ""
-            for _, label in labels]
+def means(
+    pairs: dict[str, dict[str, Pair]],
+    labels: Sequence[tuple[str, str]],
+    among: Sequence[str] | None = None,
+) -> list[str]:
+    """Returns the geometric mean of each label over the pairs that it answered, or over the scenes
+    `among`; empty for one without pairs."""
+    known = {
+        label: {scene: pair for scene, pair in of.items() if comparable(pair)}
+        for label, of in pairs.items()
+    }
+    return [
+        numerals.estimate(
+            mean_ratio(
+                [pair for scene, pair in known[label].items() if among is None or scene in among]
+            )
+        )
+        if known.get(label)
+        else ""
+        for _, label in labels
+    ]
 
 
 def records_of(results: Results, grid: Grid, tolerance: float) -> list[tables.Record]:
     """Returns one record for each pair and solver of the grid, for the CSV file."""
     records: list[tables.Record] = []
     for scene in grid.scenes:
-        peer, diagonal = grid.cells.get((scene, PEER)), float(results.cases.source_diagonal[grid.first(scene)])
+        peer, diagonal = grid.cells.get((scene, PEER)), float(
+            results.cases.source_diagonal[grid.first(scene)]
+        )
         for (solver, label), cell in zip(grid.labels, grid.row(scene)):
             if cell:
                 x = ratio((peer, cell)) if peer and cell is not peer else NO_DATA
-                records.append({"scene": scene, "tolerance": tolerance, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
-                                "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value, "cgal_over_it_low": x.low,
-                                "cgal_over_it_high": x.high, "h_of_diagonal": proven([cell for cell in grid.row(scene) if cell])[0] / diagonal})
+                records.append(
+                    {
+                        "scene": scene,
+                        "tolerance": tolerance,
+                        "solver": solver,
+                        "label": label,
+                        "status": cell.status(),
+                        **tables.seconds(cell.time),
+                        "prepare_seconds": cell.prepare,
+                        "peak_bytes": cell.peak,
+                        "cgal_over_it": x.value,
+                        "cgal_over_it_low": x.low,
+                        "cgal_over_it_high": x.high,
+                        "h_of_diagonal": proven([cell for cell in grid.row(scene) if cell])[0]
+                        / diagonal,
+                    }
+                )
     return records
 
 
@@ -181,53 +301,118 @@ def make(results: Results) -> Report:
     tolerance, *finer = sorted({float(x) for x in cases.tolerance}, reverse=True)
     grid = Grid(results, tolerance=tolerance)
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
-    table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory without the shapes, MiB. Directed distance, "
-                         f"tolerance {numerals.number(tolerance)} of the diagonal of A.",
-                         ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
+    table = tables.Table(
+        "Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory without the shapes, MiB. Directed distance, "
+        f"tolerance {numerals.number(tolerance)} of the diagonal of A.",
+        ["pair", "triangles", "h / diagonal", "", *grid.titles()],
+        left=4,
+    )
     for scene in scenes:
         row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
-        ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
-        h = numerals.value(*proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row]))
+        ratios = [
+            ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own
+        ]
+        h = numerals.value(
+            *proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row])
+        )
         table.rules.add(len(table.rows))
-        table.rows.append([scene, results.sizes(row, " → "), h, "ms",
-                           *grid.texts(scene, 1000)])
+        table.rows.append([scene, results.sizes(row, " → "), h, "ms", *grid.texts(scene, 1000)])
         at_least = "≥ " if peer and peer.failures else ""
-        table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + numerals.estimate(x) for x in ratios]])
-        table.rows.append(["", "", "", "MiB", *[numerals.number(cell.peak / 2**20) if cell else numerals.NOTHING for cell in own]])
+        table.rows.append(
+            [
+                "",
+                "",
+                "",
+                "times",
+                *[(at_least if x.n else "") + numerals.estimate(x) for x in ratios],
+            ]
+        )
+        table.rows.append(
+            [
+                "",
+                "",
+                "",
+                "MiB",
+                *[
+                    numerals.number(cell.peak / 2**20) if cell else numerals.NOTHING
+                    for cell in own
+                ],
+            ]
+        )
         if cases.scene_note[row]:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
     records = records_of(results, grid, tolerance)
     pairs = pairs_with_cgal(results, grid)
-    answered = {label: [scene for scene, pair in known.items() if comparable(pair)] for label, known in pairs.items()}
+    answered = {
+        label: [scene for scene, pair in known.items() if comparable(pair)]
+        for label, known in pairs.items()
+    }
     shared = [scene for scene in scenes if all(scene in known for known in answered.values())]
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", "", "times", *means(pairs, labels)])
     if shared and any(len(known) > len(shared) for known in answered.values()):
-        table.rows.append([f"over the {len(shared)} pairs that all answered", "", "", "times", *means(pairs, labels, shared)])
-    table.verdicts = [*[judge(label, list(pairs[label].values())) for label in AIMS if label in pairs],
-                      *[judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs]]
+        table.rows.append(
+            [
+                f"over the {len(shared)} pairs that all answered",
+                "",
+                "",
+                "times",
+                *means(pairs, labels, shared),
+            ]
+        )
+    table.verdicts = [
+        *[judge(label, list(pairs[label].values())) for label in AIMS if label in pairs],
+        *[judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs],
+    ]
     for small in finer:
         own_grid = Grid(results, tolerance=small)
         records += records_of(results, own_grid, small)
         tighter = pairs_with_cgal(results, own_grid)
-        table.rows.append([f"geometric mean at {numerals.number(small)}", "", "", "times", *means(tighter, labels)])
-        table.verdicts += [judge_finer(label, small, list(tighter[label].values())) for label in FINER if label in tighter]
+        table.rows.append(
+            [
+                f"geometric mean at {numerals.number(small)}",
+                "",
+                "",
+                "times",
+                *means(tighter, labels),
+            ]
+        )
+        table.verdicts += [
+            judge_finer(label, small, list(tighter[label].values()))
+            for label in FINER
+            if label in tighter
+        ]
     counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
         f"{numerals.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
         "certain the mean of these pairs is, not what other pairs would give.",
-        *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
-        tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results, results.rows(tolerance=tolerance))}."]
-    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {numerals.number(tolerance)} of the diagonal of A. "
-               "Right of the frame: no answer, and why.")
-    return Report(lambda: draw(grid), table, records, style.letters_key(status for cell in cells.values() for status in cell.failures), caption=caption)
+        *against(
+            "cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]
+        ),
+        tables.coverage_note(cell.time for cell in cells.values()),
+        f"{machine_line(results, results.rows(tolerance=tolerance))}.",
+    ]
+    caption = (
+        f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {numerals.number(tolerance)} of the diagonal of A. "
+        "Right of the frame: no answer, and why."
+    )
+    return Report(
+        lambda: draw(grid),
+        table,
+        records,
+        style.letters_key(status for cell in cells.values() for status in cell.failures),
+        caption=caption,
+    )
 
 
 def proven(cells: Sequence[Cell]) -> tuple[float, float]:
-    """Returns the largest lower and the least upper bound that is proven of the pair; NaN if there is none."""
+    """Returns the largest lower and the least upper bound that is proven of the pair; NaN if there
+    is none."""
     known = [cell.interval for cell in cells if not math.isnan(cell.interval[0])]
-    return max((low for low, _ in known), default=math.nan), min((high for _, high in known), default=math.nan)
+    return max((low for low, _ in known), default=math.nan), min(
+        (high for _, high in known), default=math.nan
+    )
 
 
 def draw(grid: Grid) -> Any:
@@ -251,9 +436,22 @@ def draw(grid: Grid) -> Any:
                 at = 1.03 + 0.09 * failed
                 failed += 1
                 status = cell.failures.most_common(1)[0][0]
-                ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks))
-                ax.text(at + 0.025, i, style.status_letter(status), transform=ax.get_yaxis_transform(),
-                        va="center", fontsize=6, color="#333333")
+                ax.plot(
+                    at,
+                    i,
+                    transform=ax.get_yaxis_transform(),
+                    clip_on=False,
+                    **style.open_marker(looks),
+                )
+                ax.text(
+                    at + 0.025,
+                    i,
+                    style.status_letter(status),
+                    transform=ax.get_yaxis_transform(),
+                    va="center",
+                    fontsize=6,
+                    color="#333333",
+                )
     known = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
     ax.set_xscale("log")
     ax.set_xlim(min(known) / 2, max(known) * 2)

@@ -1,4 +1,5 @@
-"""Compares `scan` with a k-d tree on point sets that are hard for grids and trees: time with preparation, and counted work."""
+"""Compares `scan` with a k-d tree on point sets that are hard for grids and trees: time with
+preparation, and counted work."""
 
 from __future__ import annotations
 
@@ -20,26 +21,53 @@ OURS, RIVAL = "scan", "kdtree"
 
 def make(results: Results) -> Report:
     cases, grid = results.cases, Grid(results, ((OURS, OURS), (RIVAL, RIVAL)))
-    table = tables.Table("Time to prepare and solve, ms, on point sets that are hard for grids and trees.",
-                         ["workload", style.title(OURS), style.title(RIVAL), "ratio",
-                          "our distances per point"], left=1)
+    table = tables.Table(
+        "Time to prepare and solve, ms, on point sets that are hard for grids and trees.",
+        ["workload", style.title(OURS), style.title(RIVAL), "ratio", "our distances per point"],
+        left=1,
+    )
     records: list[tables.Record] = []
     ratios: list[Estimate] = []
     for scene in grid.scenes:
-        first, ours, ratio = grid.first(scene), grid.cells.get((scene, OURS)), grid.ratio(scene, RIVAL, OURS)
+        first, ours, ratio = (
+            grid.first(scene),
+            grid.cells.get((scene, OURS)),
+            grid.ratio(scene, RIVAL, OURS),
+        )
         ratios.append(ratio)
         points = int(cases.source_elements[first])
-        distances = ours.counters["point_distances"] / points if ours and not ours.failures else math.nan
-        table.rows.append([style.scene_title(scene), *grid.texts(scene, 1000), numerals.ratio(ratio), numerals.number(distances)])
+        distances = (
+            ours.counters["point_distances"] / points if ours and not ours.failures else math.nan
+        )
+        table.rows.append(
+            [
+                style.scene_title(scene),
+                *grid.texts(scene, 1000),
+                numerals.ratio(ratio),
+                numerals.number(distances),
+            ]
+        )
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}.")
         own = {label: cell for (_, label), cell in zip(grid.labels, grid.row(scene)) if cell}
-        records.append({"scene": scene, "points": points, "ratio": ratio.value, "ratio_low": ratio.low,
-                        "ratio_high": ratio.high, "n": ratio.n, "distances_per_point": distances,
-                        **{f"{label}_seconds": cell.time.value for label, cell in own.items()},
-                        **{f"{label}_status": cell.status() for label, cell in own.items()}})
+        records.append(
+            {
+                "scene": scene,
+                "points": points,
+                "ratio": ratio.value,
+                "ratio_low": ratio.low,
+                "ratio_high": ratio.high,
+                "n": ratio.n,
+                "distances_per_point": distances,
+                **{f"{label}_seconds": cell.time.value for label, cell in own.items()},
+                **{f"{label}_status": cell.status() for label, cell in own.items()},
+            }
+        )
     table.verdicts = [everywhere(claims.of("hausbench", "points_hostile"), ratios, "workloads")]
-    table.notes += ["Ratio: time of the k-d tree over the time of scan.",
-                    tables.coverage_note(ratios), f"{machine_line(results)}."]
+    table.notes += [
+        "Ratio: time of the k-d tree over the time of scan.",
+        tables.coverage_note(ratios),
+        f"{machine_line(results)}.",
+    ]
     caption = "Time of the k-d tree over the time of scan, with its interval, on point sets that are hard for grids and trees. Right of 1, scan is faster."
     return Report(lambda: draw(grid.scenes, ratios), table, records, caption=caption)
 

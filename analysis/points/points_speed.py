@@ -1,4 +1,5 @@
-"""Compares our solver for point sets with the best of the others on each workload: time with preparation, and memory."""
+"""Compares our solver for point sets with the best of the others on each workload: time with
+preparation, and memory."""
 
 from __future__ import annotations
 
@@ -27,8 +28,12 @@ class Cell:
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases
         self.row, self.status = row, cases.status[row]
-        self.reported = not math.isnan(cases.reported_seconds[row])  # an external program that measured its time itself
-        self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
+        self.reported = not math.isnan(
+            cases.reported_seconds[row]
+        )  # an external program that measured its time itself
+        self.rounds = (
+            results.reported_by_round(row) if self.reported else results.total_by_round(row)
+        )
         self.wall, self.origin = results.total_by_round(row, "wall"), origin(results, row)
         self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
         peak = int(cases.peak_bytes[row])
@@ -45,7 +50,12 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
 
     A program that measures its time itself reports wall time, so it is compared with our wall time.
     """
-    if lacking := apart([one.origin._replace(clock="wall") if other.reported else one.origin for one in (other, ours)]):
+    if lacking := apart(
+        [
+            one.origin._replace(clock="wall") if other.reported else one.origin
+            for one in (other, ours)
+        ]
+    ):
         return lacking
     own = ours.wall if other.reported else ours.rounds
     paired = ratio_by_round(other.rounds, own)
@@ -53,7 +63,8 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
 
 
 def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
-    """Returns time of `other` / time of `ours`. If one of them timed out, the limit stands for its time, which can only show that it is slower."""
+    """Returns time of `other` / time of `ours`. If one of them timed out, the limit stands for its
+    time, which can only show that it is slower."""
     late = [one.status == "timeout" for one in (other, ours)]
     if not any(late):
         return ratio(other, ours)
@@ -69,46 +80,97 @@ def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
 
 def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
     """Judges the claim that LSS takes less time than EARLYBREAK."""
-    pairs = [(cells[scene, "earlybreak"], cells[scene, "lss"]) for scene in results.scenes if {(scene, "earlybreak"), (scene, "lss")} <= cells.keys()]
-    return most_of(claims.of("hausbench", "lss_outperforms"), [at_least(other, ours, float(results.cases.case_seconds_limit[other.row])) for other, ours in pairs], "workloads")
+    pairs = [
+        (cells[scene, "earlybreak"], cells[scene, "lss"])
+        for scene in results.scenes
+        if {(scene, "earlybreak"), (scene, "lss")} <= cells.keys()
+    ]
+    return most_of(
+        claims.of("hausbench", "lss_outperforms"),
+        [
+            at_least(other, ours, float(results.cases.case_seconds_limit[other.row]))
+            for other, ours in pairs
+        ],
+        "workloads",
+    )
 
 
 def make(results: Results) -> Report:
     cases = results.cases
     scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
-    cells = {(scene, label): Cell(results, rows[0]) for scene in scenes for _, label in labels
-             if (rows := results.rows(scene=scene, label=label))}
+    cells = {
+        (scene, label): Cell(results, rows[0])
+        for scene in scenes
+        for _, label in labels
+        if (rows := results.rows(scene=scene, label=label))
+    }
     titles = [style.title(*pair) for pair in labels]
-    table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, with the "
-                         "peak memory, MiB, below.", ["workload", "", *titles, "best other / ours"], left=2)
+    table = tables.Table(
+        "Time to prepare and solve, ms, of exact directed distances between point sets, with the "
+        "peak memory, MiB, below.",
+        ["workload", "", *titles, "best other / ours"],
+        left=2,
+    )
     records: list[tables.Record] = []
     ratios: list[float] = []
     for scene in scenes:
         own = [cells.get((scene, label)) for _, label in labels]
         ours = cells.get((scene, OURS))
-        rivals = [cell for (_, label), cell in zip(labels, own) if label != OURS and cell and cell.time.n]
+        rivals = [
+            cell for (_, label), cell in zip(labels, own) if label != OURS and cell and cell.time.n
+        ]
         best = min(rivals, key=lambda cell: cell.time.value, default=None)
         speedup = ratio(best, ours) if best and ours and ours.time.n else NO_DATA
         if speedup.n:
             ratios.append(speedup.value)
         table.rules.add(len(table.rows))
-        table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else numerals.NOTHING for cell in own],
-                           numerals.ratio(speedup)])
-        table.rows.append(["", "MiB", *[numerals.number(cell.mebibytes) if cell else numerals.NOTHING for cell in own], ""])
+        table.rows.append(
+            [
+                style.scene_title(scene),
+                "ms",
+                *[cell.text() if cell else numerals.NOTHING for cell in own],
+                numerals.ratio(speedup),
+            ]
+        )
+        table.rows.append(
+            [
+                "",
+                "MiB",
+                *[numerals.number(cell.mebibytes) if cell else numerals.NOTHING for cell in own],
+                "",
+            ]
+        )
         first = results.rows(scene=scene)[0]
-        table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
-                           f"{cases.target_elements[first]:,} points.")
+        table.notes.append(
+            f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
+            f"{cases.target_elements[first]:,} points."
+        )
         for (solver, label), cell in zip(labels, own):
             if cell:
-                records.append({
-                    "scene": scene, "solver": solver, "label": label, "status": cell.status, "n": cell.time.n,
-                    "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high,
-                    "prepare_seconds": results.prepare_seconds(cell.row) if not cell.reported else math.nan,
-                    "peak_bytes": int(cases.peak_bytes[cell.row]), "lower": float(cases.lower[cell.row]),
-                    "upper": float(cases.upper[cell.row]), "best_other_over_ours": speedup.value})
+                records.append(
+                    {
+                        "scene": scene,
+                        "solver": solver,
+                        "label": label,
+                        "status": cell.status,
+                        "n": cell.time.n,
+                        "median_seconds": cell.time.value,
+                        "low_seconds": cell.time.low,
+                        "high_seconds": cell.time.high,
+                        "prepare_seconds": results.prepare_seconds(cell.row)
+                        if not cell.reported
+                        else math.nan,
+                        "peak_bytes": int(cases.peak_bytes[cell.row]),
+                        "lower": float(cases.lower[cell.row]),
+                        "upper": float(cases.upper[cell.row]),
+                        "best_other_over_ours": speedup.value,
+                    }
+                )
     table.verdicts = [judge(results, cells)]
-    mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(ratios, default=math.nan)
+    mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(
+        ratios, default=math.nan
+    )
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", *[""] * len(labels), numerals.number(mean)])
     table.notes += [
@@ -117,12 +179,21 @@ def make(results: Results) -> Report:
         tables.coverage_note(cell.time for cell in cells.values())
         + " SciPy's programs measure their own time, without starting Python and reading files, and are compared with our wall time. Their memory includes "
         "Python.",
-        f"{machine_line(results)}."]
+        f"{machine_line(results)}.",
+    ]
     caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
-    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()), caption=caption)
+    return Report(
+        lambda: draw(scenes, labels, cells),
+        table,
+        records,
+        style.letters_key(cell.status for cell in cells.values()),
+        caption=caption,
+    )
 
 
-def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
+def draw(
+    scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]
+) -> Any:
     """Draws a band for each workload, with the time and interval of each solver.
 
     Solvers that failed are listed at the right, with a letter for the reason.
@@ -142,10 +213,25 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
             elif cell:
                 at = 1.03 + 0.09 * failed
                 failed += 1
-                ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks[label]))
-                ax.text(at + 0.025, i, style.status_letter(cell.status), transform=ax.get_yaxis_transform(),
-                        va="center", fontsize=6, color="#333333")
-    known = [cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)] or [1.0]
+                ax.plot(
+                    at,
+                    i,
+                    transform=ax.get_yaxis_transform(),
+                    clip_on=False,
+                    **style.open_marker(looks[label]),
+                )
+                ax.text(
+                    at + 0.025,
+                    i,
+                    style.status_letter(cell.status),
+                    transform=ax.get_yaxis_transform(),
+                    va="center",
+                    fontsize=6,
+                    color="#333333",
+                )
+    known = [
+        cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)
+    ] or [1.0]
     ax.set_xscale("log")
     ax.set_xlim(min(known) / 2, max(known) * 4)
     ax.set_ylim(len(scenes) - 0.5, -0.5)
@@ -153,6 +239,12 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     ax.grid(False, axis="y")
     ax.tick_params(axis="y", length=0)
     ax.set_xlabel("time to prepare and solve (s)")
-    style.legend_above(figure, [Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
-                                for _, label in labels], columns=2)
+    style.legend_above(
+        figure,
+        [
+            Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
+            for _, label in labels
+        ],
+        columns=2,
+    )
     return figure

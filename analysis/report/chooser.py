@@ -1,4 +1,5 @@
-"""Which solver to take: the fastest certified one by kind of shape, distance, size and tolerance, from the times of this run."""
+"""Which solver to take: the fastest certified one by kind of shape, distance, size and tolerance,
+from the times of this run."""
 
 from __future__ import annotations
 
@@ -16,7 +17,11 @@ from analysis.shared.estimates import CONFIDENCE
 from analysis.which_solver import DOMAINS, FINEST, Cell
 
 STEMS: Final = (*which_solver.STEMS, "sacht2024_table2", "zhang2017_table3")
-NEAR, APART, SAME = "nearer than 1 % of A's diagonal", "1 % of A's diagonal or more", "the same shape"
+NEAR, APART, SAME = (
+    "nearer than 1 % of A's diagonal",
+    "1 % of A's diagonal or more",
+    "the same shape",
+)
 REGIMES: Final = (SAME, NEAR, APART)
 SIZES: Final = ((10_000, "under 10K"), (100_000, "10K to 100K"), (float("inf"), "100K or more"))
 NEAR_SHARE: Final = 0.01
@@ -46,10 +51,17 @@ class Win:
 
     @property
     def doubt(self) -> str:
-        """Returns how many wins are separated or, if none is, whether more rounds could help. Empty if all are, or without a ratio."""
+        """Returns how many wins are separated or, if none is, whether more rounds could help. Empty
+        if all are, or without a ratio."""
         if self.separated == self.wins or self.ratio != self.ratio:
             return ""
-        return f"{self.separated} of them separated" if self.separated else "not separated" if self.rounds_suffice else "too few rounds to tell"
+        return (
+            f"{self.separated} of them separated"
+            if self.separated
+            else "not separated"
+            if self.rounds_suffice
+            else "too few rounds to tell"
+        )
 
 
 @dataclass(frozen=True)
@@ -72,7 +84,9 @@ class Kind:
     title: str
     sized: bool  # has a column of sizes
     tolerances: Sequence[str]
-    rows: Sequence[tuple[str, str, Sequence[Group | None]]]  # distance, size, and a cell for each tolerance
+    rows: Sequence[
+        tuple[str, str, Sequence[Group | None]]
+    ]  # distance, size, and a cell for each tolerance
 
 
 @dataclass(frozen=True)
@@ -97,14 +111,24 @@ def size(results: Results, scene: str) -> str:
 
 def group(cells: Sequence[Cell]) -> Group:
     by_wins = Counter(one.title for one in cells).most_common()
-    return Group([win([one for one in cells if one.title == title]) for title, _ in by_wins], [f"{one.stem}: {one.scene}" for one in cells])
+    return Group(
+        [win([one for one in cells if one.title == title]) for title, _ in by_wins],
+        [f"{one.stem}: {one.scene}" for one in cells],
+    )
 
 
 def win(own: Sequence[Cell]) -> Win:
     known = [one.ratio for one in own if one.ratio is not None and one.ratio.n]
     ratios = [one.value for one in known] or [float("nan")]
-    return Win(own[0].title, len(own), float(scipy.stats.gmean(ratios)), min(ratios), max(ratios), sum(one.separated for one in own),
-               any(one.coverage >= CONFIDENCE for one in known))
+    return Win(
+        own[0].title,
+        len(own),
+        float(scipy.stats.gmean(ratios)),
+        min(ratios),
+        max(ratios),
+        sum(one.separated for one in own),
+        any(one.coverage >= CONFIDENCE for one in known),
+    )
 
 
 def matrix(results: dict[str, Results]) -> Matrix:
@@ -114,16 +138,41 @@ def matrix(results: dict[str, Results]) -> Matrix:
         if stem in results:
             for one in which_solver.cells_of(results[stem]):
                 large = size(results[stem], one.scene) if one.domain != "surface" else ""
-                groups.setdefault((one.domain, regime(results[stem], one.scene), large, one.tolerance), []).append(one)
+                groups.setdefault(
+                    (one.domain, regime(results[stem], one.scene), large, one.tolerance), []
+                ).append(one)
     cells = [one for own in groups.values() for one in own]
     rounds = [one.ratio.n for one in cells if one.ratio is not None and one.ratio.n] or [0]
-    kinds = [kind({key[1:]: own for key, own in groups.items() if key[0] == domain}, title) for domain, title in DOMAINS.items()]
-    return Matrix([one for one in kinds if one.rows], list(dict.fromkeys(one.stem for one in cells)), (min(rounds), max(rounds)))
+    kinds = [
+        kind({key[1:]: own for key, own in groups.items() if key[0] == domain}, title)
+        for domain, title in DOMAINS.items()
+    ]
+    return Matrix(
+        [one for one in kinds if one.rows],
+        list(dict.fromkeys(one.stem for one in cells)),
+        (min(rounds), max(rounds)),
+    )
 
 
 def kind(groups: dict[tuple[str, str, float], list[Cell]], title: str) -> Kind:
     tolerances = sorted({tolerance for _, _, tolerance in groups}, reverse=True)
     sizes = [name for _, name in SIZES] + [""]
-    rows = [(near, large, [group(groups[near, large, x]) if (near, large, x) in groups else None for x in tolerances])
-            for near in REGIMES for large in sizes if any((near, large, x) in groups for x in tolerances)]
-    return Kind(title, any(large for _, large, _ in rows), ["" if x == FINEST else f"{x:g}" for x in tolerances], rows)
+    rows = [
+        (
+            near,
+            large,
+            [
+                group(groups[near, large, x]) if (near, large, x) in groups else None
+                for x in tolerances
+            ],
+        )
+        for near in REGIMES
+        for large in sizes
+        if any((near, large, x) in groups for x in tolerances)
+    ]
+    return Kind(
+        title,
+        any(large for _, large, _ in rows),
+        ["" if x == FINEST else f"{x:g}" for x in tolerances],
+        rows,
+    )

@@ -1,4 +1,5 @@
-"""Copies figures and tables beside the pages, small enough that the whole report can be sent by mail."""
+"""Copies figures and tables beside the pages, small enough that the whole report can be sent by
+mail."""
 
 from __future__ import annotations
 
@@ -10,16 +11,24 @@ from typing import Any, Final
 
 from PIL import Image
 
-LARGE_TABLE: Final = 100_000  # bytes; a larger CSV file is compressed, which pandas and R read as it is
-UNREADABLE: Final = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)  # what Pillow raises for a damaged picture
+LARGE_TABLE: Final = (
+    100_000  # bytes; a larger CSV file is compressed, which pandas and R read as it is
+)
+UNREADABLE: Final = (
+    OSError,
+    ValueError,
+    SyntaxError,
+    Image.DecompressionBombError,
+)  # what Pillow raises for a damaged picture
 LARGE_PICTURE: Final = 300_000  # bytes of a PNG
 
 
 def copied(path: Path, folder: Path) -> str:
     """Copies a file into a folder and returns the name of the copy.
 
-    A PNG becomes a WebP with the same pixels, which is half as large. A large picture becomes a WebP with slightly other pixels if that halves
-    the size again, as it does for pictures of meshes. A large CSV file is compressed (.csv.gz). Other files stay as they are.
+    A PNG becomes a WebP with the same pixels, which is half as large. A large picture becomes a
+    WebP with slightly other pixels if that halves the size again, as it does for pictures of
+    meshes. A large CSV file is compressed (.csv.gz). Other files stay as they are.
     """
     if path.suffix == ".png":
         return _written(folder / f"{path.stem}.webp", _webp(path))

@@ -19,7 +19,8 @@ EXTENTS: Final = (1e-30, 1e30)  # of coordinates that the single precision of We
 
 @dataclass(frozen=True)
 class Display:
-    """A mesh to show. Each corner and each triangle is one of the original mesh, so values that belong to it stay true."""
+    """A mesh to show. Each corner and each triangle is one of the original mesh, so values that
+    belong to it stay true."""
 
     corners: Indices  # of the original mesh
     triangles: npt.NDArray[np.int64]  # n x 3, indices into `corners`
@@ -28,13 +29,16 @@ class Display:
 
 
 def simplify(mesh: Mesh, weights: Floats | None = None, most: int = MOST) -> Display:
-    """Merges the corners in each cell of a grid into one of them, the one with the largest weight. The grid is the finest that leaves few enough
-    triangles, found by bisection.
+    """Merges the corners in each cell of a grid into one of them, the one with the largest weight.
+    The grid is the finest that leaves few enough triangles, found by bisection.
 
-    O(n log n) in the size of the mesh. Triangles whose corners fall together vanish; of several that become the same, the first stays.
+    O(n log n) in the size of the mesh. Triangles whose corners fall together vanish; of several
+    that become the same, the first stays.
     """
     if len(mesh.triangles) <= most:
-        return Display(np.arange(len(mesh.corners)), mesh.triangles, np.arange(len(mesh.triangles)), False)
+        return Display(
+            np.arange(len(mesh.corners)), mesh.triangles, np.arange(len(mesh.triangles)), False
+        )
     least, greatest, found = 1, 4096, _merged(mesh, weights, 1)
     while greatest - least > 1:
         cells = (least + greatest) // 2
@@ -49,13 +53,21 @@ def simplify(mesh: Mesh, weights: Floats | None = None, most: int = MOST) -> Dis
 def _merged(mesh: Mesh, weights: Floats | None, cells: int) -> Display:
     low, high = mesh.corners.min(axis=0), mesh.corners.max(axis=0)
     edge = float((high - low).max()) / cells or 1.0
-    _, place = np.unique(np.floor((mesh.corners - low) / edge).astype(np.int64), axis=0, return_inverse=True)
+    _, place = np.unique(
+        np.floor((mesh.corners - low) / edge).astype(np.int64), axis=0, return_inverse=True
+    )
     place = place.reshape(-1)
-    order = np.argsort(weights if weights is not None else np.zeros(len(place)), kind="stable")  # later ones win below
+    order = np.argsort(
+        weights if weights is not None else np.zeros(len(place)), kind="stable"
+    )  # later ones win below
     chosen = np.zeros(int(place.max()) + 1, dtype=np.int64)
     chosen[place[order]] = order
     triangles = place[mesh.triangles]
-    kept = np.flatnonzero((triangles[:, 0] != triangles[:, 1]) & (triangles[:, 1] != triangles[:, 2]) & (triangles[:, 2] != triangles[:, 0]))
+    kept = np.flatnonzero(
+        (triangles[:, 0] != triangles[:, 1])
+        & (triangles[:, 1] != triangles[:, 2])
+        & (triangles[:, 2] != triangles[:, 0])
+    )
     _, first = np.unique(np.sort(triangles[kept], axis=1), axis=0, return_index=True)
     elements = kept[np.sort(first)]
     return Display(chosen, triangles[elements], elements, True)
@@ -72,14 +84,25 @@ def text(values: npt.NDArray[Any]) -> str:
 
 
 def quantised(values: Floats) -> dict[str, Any]:
-    """Returns {low, high, data}: each column (or the only one) in 16 bits between its least and greatest value, which must be finite."""
+    """Returns {low, high, data}: each column (or the only one) in 16 bits between its least and
+    greatest value, which must be finite."""
     low, high = values.min(axis=0), values.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
-    return {"low": np.atleast_1d(low).tolist(), "high": np.atleast_1d(high).tolist(), "data": text(np.rint((values - low) / span * LEVELS).astype("<u2"))}
+    return {
+        "low": np.atleast_1d(low).tolist(),
+        "high": np.atleast_1d(high).tolist(),
+        "data": text(np.rint((values - low) / span * LEVELS).astype("<u2")),
+    }
 
 
 def packed(mesh: Mesh, shown: Display) -> dict[str, Any]:
     """Returns a mesh as JSON for view.js."""
     wide = len(shown.corners) > LEVELS
-    return {"corners": quantised(mesh.corners[shown.corners]), "triangles": text(shown.triangles.astype("<u4" if wide else "<u2")), "wide": wide,
-            "count": len(shown.triangles), "of": len(mesh.triangles), "simplified": shown.simplified}
+    return {
+        "corners": quantised(mesh.corners[shown.corners]),
+        "triangles": text(shown.triangles.astype("<u4" if wide else "<u2")),
+        "wide": wide,
+        "count": len(shown.triangles),
+        "of": len(mesh.triangles),
+        "simplified": shown.simplified,
+    }

@@ -1,4 +1,5 @@
-"""The stability matrix for the report: the worst outcome of each solver on each family of scenes, and the answers behind it."""
+"""The stability matrix for the report: the worst outcome of each solver on each family of scenes,
+and the answers behind it."""
 
 from __future__ import annotations
 
@@ -9,7 +10,14 @@ from typing import Any, Final
 from analysis.report.all_rows import rounded
 from analysis.shared.results import Results
 from analysis.stability import stability_error
-from analysis.stability.stability_families import KINDS, Family, Suite, look, range_text, severity_text
+from analysis.stability.stability_families import (
+    KINDS,
+    Family,
+    Suite,
+    look,
+    range_text,
+    severity_text,
+)
 from analysis.stability.stability_outcomes import Outcome
 
 STEM: Final = "stability_matrix"
@@ -30,7 +38,9 @@ class Kind:
 
     name: str
     solvers: Sequence[str]
-    rows: Sequence[tuple[str, str, Sequence[Cell]]]  # family, range of its severities, and a cell for each solver
+    rows: Sequence[
+        tuple[str, str, Sequence[Cell]]
+    ]  # family, range of its severities, and a cell for each solver
 
 
 def worst(suite: Suite, family: Family, label: str, answers: list[Any]) -> Cell:
@@ -39,22 +49,47 @@ def worst(suite: Suite, family: Family, label: str, answers: list[Any]) -> Cell:
     if not own:
         return Cell(Outcome.NOT_APPLICABLE if family.of(label) else Outcome.NOT_RUN, "", 0, 0, -1)
     least = max(own, key=lambda answer: answer.outcome.badness)
-    answers.append([[severity_text(answer.severity), rounded(answer.severity), answer.tolerance, answer.outcome.words,
-                     rounded(stability_error.error(suite, answer)), rounded(stability_error.gap(suite, answer)), str(suite.results.cases.reason[answer.row])]
-                    for answer in own])
-    return Cell(least.outcome, least.letter, sum(answer.outcome == least.outcome for answer in own), len(own), len(answers) - 1)
+    answers.append(
+        [
+            [
+                severity_text(answer.severity),
+                rounded(answer.severity),
+                answer.tolerance,
+                answer.outcome.words,
+                rounded(stability_error.error(suite, answer)),
+                rounded(stability_error.gap(suite, answer)),
+                str(suite.results.cases.reason[answer.row]),
+            ]
+            for answer in own
+        ]
+    )
+    return Cell(
+        least.outcome,
+        least.letter,
+        sum(answer.outcome == least.outcome for answer in own),
+        len(own),
+        len(answers) - 1,
+    )
 
 
 def described(results: dict[str, Results]) -> tuple[list[Kind], list[Any]]:
-    """Returns the tables, and the answers of each cell: (severity as text, severity, tolerance, outcome, error, gap, reason), where error and gap are
-    fractions of the diagonal of A. Empty without results of the suite."""
+    """Returns the tables, and the answers of each cell: (severity as text, severity, tolerance,
+    outcome, error, gap, reason), where error and gap are fractions of the diagonal of A. Empty
+    without results of the suite."""
     if STEM not in results:
         return [], []
     suite, answers = Suite(results[STEM]), list[Any]()
     kinds = []
     for name in KINDS:
         labels = suite.labels_of(name)
-        rows = [(family.title, range_text(family), [worst(suite, family, label, answers) for _, label in labels]) for family in suite.of_kind(name)]
+        rows = [
+            (
+                family.title,
+                range_text(family),
+                [worst(suite, family, label, answers) for _, label in labels],
+            )
+            for family in suite.of_kind(name)
+        ]
         if rows:
             kinds.append(Kind(name, [look(*pair).title for pair in labels], rows))
     return kinds, answers

@@ -1,4 +1,5 @@
-"""The claims of each paper as the report prints them: verdicts, and the reasons why some do not hold."""
+"""The claims of each paper as the report prints them: verdicts, and the reasons why some do not
+hold."""
 
 from __future__ import annotations
 
@@ -12,9 +13,19 @@ from analysis.paper_page import Line
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN, UNTESTED
 
 ORDER: Final = (HOLDS, NOT_REFUTED, FAILS, OPEN, NOT_JUDGED, UNTESTED)
-CLASSES: Final = {HOLDS: "holds", NOT_REFUTED: "holds", FAILS: "fails", OPEN: "open", NOT_JUDGED: "open", UNTESTED: "untested"}
+CLASSES: Final = {
+    HOLDS: "holds",
+    NOT_REFUTED: "holds",
+    FAILS: "fails",
+    OPEN: "open",
+    NOT_JUDGED: "open",
+    UNTESTED: "untested",
+}
 SIGNS: Final = {HOLDS: "✓", NOT_REFUTED: "✓", FAILS: "✗", OPEN: "≈", NOT_JUDGED: "≈", UNTESTED: "–"}
-UNFIT: Final = (HOLDS, NOT_REFUTED)  # verdicts that contradict a text on why the claim does not hold
+UNFIT: Final = (
+    HOLDS,
+    NOT_REFUTED,
+)  # verdicts that contradict a text on why the claim does not hold
 
 
 @dataclass(frozen=True)
@@ -56,9 +67,21 @@ class Shown:
 def shown(line: Line) -> Shown:
     counted: dict[str, Any] = dict(line.verdict["counted"]) if line.verdict else {}  # type: ignore[call-overload]
     evidence = str(line.verdict["evidence"]) if line.verdict else ""
-    return Shown(line.entry.id, line.entry.section, line.entry.quote, line.name, line.entry.judged_as, Outcome(line.outcome, evidence),
-                 [(what, Outcome(str(one["outcome"]), str(one["evidence"]))) for what, one in counted.items()],
-                 str(line.verdict["stem"]) if line.verdict else ", ".join(line.entry.stems), line.kept, paper_page.why(line))
+    return Shown(
+        line.entry.id,
+        line.entry.section,
+        line.entry.quote,
+        line.name,
+        line.entry.judged_as,
+        Outcome(line.outcome, evidence),
+        [
+            (what, Outcome(str(one["outcome"]), str(one["evidence"])))
+            for what, one in counted.items()
+        ],
+        str(line.verdict["stem"]) if line.verdict else ", ".join(line.entry.stems),
+        line.kept,
+        paper_page.why(line),
+    )
 
 
 @dataclass(frozen=True)
@@ -92,17 +115,26 @@ class Paper:
 
 
 def paper(name: str, lines: Sequence[Line]) -> Paper:
-    """Returns the claims of a paper: first those that do not hold, then the others, each in the order of the paper."""
+    """Returns the claims of a paper: first those that do not hold, then the others, each in the
+    order of the paper."""
     found = [shown(line) for line in lines]
-    ordered = [line for line in found if line.against] + [line for line in found if not line.against]
-    said = [replace(line, why="") if before is not None and (before.id, before.why) == (line.id, line.why) else line for before, line in zip([None, *ordered], ordered)]
+    ordered = [line for line in found if line.against] + [
+        line for line in found if not line.against
+    ]
+    said = [
+        replace(line, why="")
+        if before is not None and (before.id, before.why) == (line.id, line.why)
+        else line
+        for before, line in zip([None, *ordered], ordered)
+    ]
     return Paper(paper_page.TITLES.get(name, name), said)
 
 
 def misfits(lines: Iterable[Line]) -> list[str]:
     """Returns a line for each claim that does not hold and has no `why_not`, or holds and has one.
 
-    A claim has several verdicts if it is judged on several scenes. Its text fits as long as one of them is 'does not hold', or none is decided.
+    A claim has several verdicts if it is judged on several scenes. Its text fits as long as one of
+    them is 'does not hold', or none is decided.
     """
     found: dict[tuple[str, str], list[Line]] = {}
     for line in lines:
@@ -112,8 +144,12 @@ def misfits(lines: Iterable[Line]) -> list[str]:
         outcomes, text = {line.outcome for line in own}, own[0].entry.why_not
         file = f"analysis/claims/{name}.toml"
         if FAILS in outcomes and not text:
-            problems.append(f"{name}/{claim}: does not hold, and {file} does not say why: add `why_not`")
+            problems.append(
+                f"{name}/{claim}: does not hold, and {file} does not say why: add `why_not`"
+            )
         elif text and FAILS not in outcomes and outcomes & set(UNFIT):
             verdict = next(line.outcome for line in own if line.outcome in UNFIT)
-            problems.append(f"{name}/{claim}: {file} says why it does not hold, and the verdict is '{verdict}': remove `why_not`, or find out what changed")
+            problems.append(
+                f"{name}/{claim}: {file} says why it does not hold, and the verdict is '{verdict}': remove `why_not`, or find out what changed"
+            )
     return problems

@@ -1,4 +1,5 @@
-"""Fig. 2 of Sacht and Jacobson 2024: the speedup of their method over Zheng's, on meshes and their halves."""
+"""Fig. 2 of Sacht and Jacobson 2024: the speedup of their method over Zheng's, on meshes and their
+halves."""
 
 from __future__ import annotations
 
@@ -53,7 +54,8 @@ class Pair:
         return not self.over(FAST) and not self.over(SLOW)
 
     def ratio(self, what: str = "") -> float:
-        """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[what]; NaN if one of the two has none."""
+        """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[what]; NaN if one of the
+        two has none."""
         if not self.both:
             return np.nan
         pair = self.cells[SLOW], self.cells[FAST]
@@ -68,15 +70,25 @@ class Pairs:
         cases = results.cases
         for scene in results.scenes:
             rows = {solver: results.rows(scene=scene, label=solver) for solver in (FAST, SLOW)}
-            absent = [cases.reason[r] or cases.status[r] for of in rows.values() for r in of
-                      if cases.status[r] in NEVER_RAN]
+            absent = [
+                cases.reason[r] or cases.status[r]
+                for of in rows.values()
+                for r in of
+                if cases.status[r] in NEVER_RAN
+            ]
             if absent or not all(rows.values()):
                 self.lost[scene] = absent[0] if absent else "one solver was not run"
                 continue
             first = rows[FAST][0]
-            self.pairs.append(Pair(scene, int(cases.source_elements[first]),
-                                   {solver: Cell(results, of) for solver, of in rows.items()},
-                                   float(cases.case_seconds_limit[first]), results.share(first)))
+            self.pairs.append(
+                Pair(
+                    scene,
+                    int(cases.source_elements[first]),
+                    {solver: Cell(results, of) for solver, of in rows.items()},
+                    float(cases.case_seconds_limit[first]),
+                    results.share(first),
+                )
+            )
 
     def ratios(self, what: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
         known = (pair.ratio(what) for pair in (self.pairs if pairs is None else pairs))
@@ -84,7 +96,11 @@ class Pairs:
 
     def why_apart(self) -> str:
         """Returns why the times of some pair are not comparable; empty if all are."""
-        found = (reason_apart(pair.cells[SLOW].origins | pair.cells[FAST].origins) for pair in self.pairs if pair.both)
+        found = (
+            reason_apart(pair.cells[SLOW].origins | pair.cells[FAST].origins)
+            for pair in self.pairs
+            if pair.both
+        )
         return next(filter(None, found), "")
 
     def over(self, solver: str, pairs: Sequence[Pair] | None = None) -> int:
@@ -92,30 +108,46 @@ class Pairs:
 
 
 def verdicts(found: Pairs) -> list[Verdict]:
-    """Judges the claims of the figure. Claims about means are judged in time and in counted work."""
+    """Judges the claims of the figure. Claims about means are judged in time and in counted
+    work."""
+
     def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
         claim = claims.of("sacht2024", name)
-        return in_time_and_work(lambda measure: Verdict(claim, UNTESTED, f"times {why}") if why and not measure else
-                                mean_at_least(claim, mean(found.ratios(measure)), bar, what))
+        return in_time_and_work(
+            lambda measure: Verdict(claim, UNTESTED, f"times {why}")
+            if why and not measure
+            else mean_at_least(claim, mean(found.ratios(measure)), bar, what)
+        )
 
     why = found.why_apart()
-    done = {solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool) for solver in (FAST, SLOW)}
+    done = {
+        solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool)
+        for solver in (FAST, SLOW)
+    }
     return [
         means("faster", geometric_mean, 1.0, "geometric mean"),
         means("sixteen_geometric", geometric_mean, PAPER, "geometric mean"),
         means("sixteen_arithmetic", arithmetic_mean, PAPER, "arithmetic mean"),
         means("tens", geometric_mean, TENS, "geometric mean"),
-        wins_more(claims.of("sacht2024", "ends_on_more"), {"Sacht": done[FAST]}, {"Zheng": done[SLOW]},
-                  "ends on"),
+        wins_more(
+            claims.of("sacht2024", "ends_on_more"),
+            {"Sacht": done[FAST]},
+            {"Zheng": done[SLOW]},
+            "ends on",
+        ),
         nearer_more(found),
     ]
 
 
 def nearer_more(found: Pairs) -> Verdict:
-    """Judges the claim that Sacht's method subdivides more (per triangle of A) on nearer pairs, among the pairs it finished."""
+    """Judges the claim that Sacht's method subdivides more (per triangle of A) on nearer pairs,
+    among the pairs it finished."""
     known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
-    return rising(claims.of("sacht2024", "nearer_more"), [-pair.distance for pair in known],
-                  [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known])
+    return rising(
+        claims.of("sacht2024", "nearer_more"),
+        [-pair.distance for pair in known],
+        [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known],
+    )
 
 
 def make(results: Results) -> Report:
@@ -124,63 +156,141 @@ def make(results: Results) -> Report:
     table = tables.Table(
         f"{word[0].upper()}{word[1:]} of Zheng divided by Sacht's, to a gap of 1e-8 of the diagonal of A, by the number of triangles of A; A is a mesh and B "
         "the same mesh with half of its triangles, as in Fig. 2 of Sacht and Jacobson 2024.",
-        ["triangles of A", "pairs", "not ended: Zheng", "Sacht", "geometric mean", "arithmetic mean", "least",
-         "greatest", "Sacht faster, %", *[f"{what}: geometric mean" for what in MEASURES]])
+        [
+            "triangles of A",
+            "pairs",
+            "not ended: Zheng",
+            "Sacht",
+            "geometric mean",
+            "arithmetic mean",
+            "least",
+            "greatest",
+            "Sacht faster, %",
+            *[f"{what}: geometric mean" for what in MEASURES],
+        ],
+    )
     for low, high in (*SIZES, (0, 10**12)):
         part = [pair for pair in found.pairs if low <= pair.triangles < high]
         if not part:
             continue
         table.rules |= {len(table.rows)} if (low, high) == (0, 10**12) else set()
-        table.rows.append([size_text(low, high), str(len(part)), str(found.over(SLOW, part)), str(found.over(FAST, part)),
-                           *numbers_of(found.ratios("", part)),
-                           *[numerals.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES]])
-    table.rows.append(["paper", "9,971", "38", "1", numerals.NOTHING, "16 (kind of mean not stated)",
-                       *[numerals.NOTHING] * (3 + len(MEASURES))])
+        table.rows.append(
+            [
+                size_text(low, high),
+                str(len(part)),
+                str(found.over(SLOW, part)),
+                str(found.over(FAST, part)),
+                *numbers_of(found.ratios("", part)),
+                *[numerals.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES],
+            ]
+        )
+    table.rows.append(
+        [
+            "paper",
+            "9,971",
+            "38",
+            "1",
+            numerals.NOTHING,
+            "16 (kind of mean not stated)",
+            *[numerals.NOTHING] * (3 + len(MEASURES)),
+        ]
+    )
     table.verdicts = verdicts(found)
-    table.notes = [*notes(found),
-                   "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's decimation. "
-                   "Both solvers are ours, written after the papers, with the same kernels and trees; the paper compares two programs.",
-                   "Time covers preparing and the first answer: the median of " + rounds_text(found) + "; ratios are paired by round.",
-                   f"Here: {machine_line(results)}."]
+    table.notes = [
+        *notes(found),
+        "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's decimation. "
+        "Both solvers are ours, written after the papers, with the same kernels and trees; the paper compares two programs.",
+        "Time covers preparing and the first answer: the median of "
+        + rounds_text(found)
+        + "; ratios are paired by round.",
+        f"Here: {machine_line(results)}.",
+    ]
     records: list[tables.Record] = [
-        {"scene": pair.scene, "triangles": pair.triangles, "solver": solver, "status": cell.status(), "n": cell.time.n,
-         "seconds": cell.time.value, "ratio": pair.ratio(), **{f"ratio: {what}": pair.ratio(what) for what in MEASURES},
-         **cell.counters}
-        for pair in found.pairs for solver, cell in pair.cells.items()]
+        {
+            "scene": pair.scene,
+            "triangles": pair.triangles,
+            "solver": solver,
+            "status": cell.status(),
+            "n": cell.time.n,
+            "seconds": cell.time.value,
+            "ratio": pair.ratio(),
+            **{f"ratio: {what}": pair.ratio(what) for what in MEASURES},
+            **cell.counters,
+        }
+        for pair in found.pairs
+        for solver, cell in pair.cells.items()
+    ]
     records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
     return Report(lambda: draw(found), table, records)
 
 
 def rounds_text(found: Pairs) -> str:
-    counts = sorted({cell.time.n for pair in found.pairs for cell in pair.cells.values() if cell.time.n})
-    return "no rounds" if not counts else f"n = {' or '.join(map(str, counts))} rounds (fresh processes)"
+    counts = sorted(
+        {cell.time.n for pair in found.pairs for cell in pair.cells.values() if cell.time.n}
+    )
+    return (
+        "no rounds"
+        if not counts
+        else f"n = {' or '.join(map(str, counts))} rounds (fresh processes)"
+    )
 
 
 def size_text(low: int, high: int) -> str:
-    return "all" if (low, high) == (0, 10**12) else f"from {low:,}" if high == 10**12 else f"{low:,} to {high:,}"
+    return (
+        "all"
+        if (low, high) == (0, 10**12)
+        else f"from {low:,}"
+        if high == 10**12
+        else f"{low:,} to {high:,}"
+    )
 
 
 def numbers_of(ratios: Sequence[float]) -> list[str]:
     if not ratios:
         return [numerals.NOTHING] * 5
-    return [numerals.estimate(geometric_mean(ratios)), numerals.estimate(arithmetic_mean(ratios)), numerals.number(min(ratios)),
-            numerals.number(max(ratios)), numerals.number(100 * sum(x > 1 for x in ratios) / len(ratios))]
+    return [
+        numerals.estimate(geometric_mean(ratios)),
+        numerals.estimate(arithmetic_mean(ratios)),
+        numerals.number(min(ratios)),
+        numerals.number(max(ratios)),
+        numerals.number(100 * sum(x > 1 for x in ratios) / len(ratios)),
+    ]
 
 
 def notes(found: Pairs) -> list[str]:
     """Returns notes on how the means were computed, and on the pairs that they leave out."""
     limits = sorted({pair.limit for pair in found.pairs})
     left = [pair for pair in found.pairs if not pair.both]
-    text = (f"Means are over the pairs that both solvers finished within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. Brackets: Student's "
-            "interval over pairs (of logarithms for the geometric mean). ")
+    text = (
+        f"Means are over the pairs that both solvers finished within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. Brackets: Student's "
+        "interval over pairs (of logarithms for the geometric mean). "
+    )
     if left:
-        shown = [f"{pair.scene} ({', '.join(f'{s} {pair.cells[s].failure_text()}' for s in (SLOW, FAST) if pair.over(s))})"
-                 for pair in left[:8]]
-        text += f"Left out: {', '.join(shown)}" + (f" and {len(left) - 8} more" if len(left) > 8 else "") + "."
-    ranked = sorted((pair for pair in found.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio)
-    ends = [f"{pair.scene} {numerals.number(pair.ratio())} ({numerals.number(1e3 * pair.seconds(SLOW))} against "
-            f"{numerals.number(1e3 * pair.seconds(FAST))} ms)" for pair in [*ranked[-3:][::-1], *ranked[:1]]]
-    lines = [text.strip(), *([f"The three greatest ratios and the least: {'; '.join(ends)}."] if len(ranked) > 3 else [])]
+        shown = [
+            f"{pair.scene} ({', '.join(f'{s} {pair.cells[s].failure_text()}' for s in (SLOW, FAST) if pair.over(s))})"
+            for pair in left[:8]
+        ]
+        text += (
+            f"Left out: {', '.join(shown)}"
+            + (f" and {len(left) - 8} more" if len(left) > 8 else "")
+            + "."
+        )
+    ranked = sorted(
+        (pair for pair in found.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio
+    )
+    ends = [
+        f"{pair.scene} {numerals.number(pair.ratio())} ({numerals.number(1e3 * pair.seconds(SLOW))} against "
+        f"{numerals.number(1e3 * pair.seconds(FAST))} ms)"
+        for pair in [*ranked[-3:][::-1], *ranked[:1]]
+    ]
+    lines = [
+        text.strip(),
+        *(
+            [f"The three greatest ratios and the least: {'; '.join(ends)}."]
+            if len(ranked) > 3
+            else []
+        ),
+    ]
     if found.lost:
         some = "; ".join(f"{scene}: {why}" for scene, why in list(found.lost.items())[:3])
         lines.append(f"{len(found.lost)} pairs have no rows with an answer ({some}).")
@@ -193,24 +303,52 @@ def draw(found: Pairs) -> Any:
     looks, work = style.look(FAST), list(MEASURES)[-1]
     many = len(found.pairs) > 60
     for ax, what in zip(axes, ("", work)):
-        known = [(pair.triangles, pair.ratio(what)) for pair in found.pairs if pair.both and pair.ratio(what) > 0]
-        ax.plot([x for x, _ in known], [y for _, y in known], "o", color=looks.colour, markersize=2.6 if many else 4.0,
-                markeredgecolor="white", markeredgewidth=0.25, zorder=3)
+        known = [
+            (pair.triangles, pair.ratio(what))
+            for pair in found.pairs
+            if pair.both and pair.ratio(what) > 0
+        ]
+        ax.plot(
+            [x for x, _ in known],
+            [y for _, y in known],
+            "o",
+            color=looks.colour,
+            markersize=2.6 if many else 4.0,
+            markeredgecolor="white",
+            markeredgewidth=0.25,
+            zorder=3,
+        )
         mean: Estimate = geometric_mean([y for _, y in known])
         ax.axhline(1, color="black", linewidth=0.6, zorder=1)
         ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, zorder=1)
         if mean.n:
             ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=style.DASHED, zorder=2)
             if mean.has_interval:
-                ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
-        ax.set(xscale="log", yscale="log", xlabel="triangles of A",
-               title=f"counted {work}" if what else total_word(found.results))
+                ax.axhspan(
+                    mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5
+                )
+        ax.set(
+            xscale="log",
+            yscale="log",
+            xlabel="triangles of A",
+            title=f"counted {work}" if what else total_word(found.results),
+        )
     for pair in found.pairs:  # one was stopped: an arrow, as the true ratio is farther out
         late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
         if len(late) == 1 and pair.late(late[0]):
-            seconds = [pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)]
-            axes[0].plot(pair.triangles, seconds[0] / seconds[1], "^" if late == [SLOW] else "v", color=looks.colour,
-                         markerfacecolor="white", markersize=4.2, markeredgewidth=0.8, zorder=3)
+            seconds = [
+                pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)
+            ]
+            axes[0].plot(
+                pair.triangles,
+                seconds[0] / seconds[1],
+                "^" if late == [SLOW] else "v",
+                color=looks.colour,
+                markerfacecolor="white",
+                markersize=4.2,
+                markeredgewidth=0.8,
+                zorder=3,
+            )
     axes[0].set_ylabel("Zheng / Sacht")
     low, high = axes[0].get_ylim()
     axes[0].set_ylim(min(low, 0.5), max(high, 30))
@@ -220,15 +358,42 @@ def draw(found: Pairs) -> Any:
         ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
         scales.log_ticks(ax.xaxis)
         ax.yaxis.set_minor_locator(NullLocator())
-        ax.yaxis.set_major_locator(FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
+        ax.yaxis.set_major_locator(
+            FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else []))
+        )
         ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:,g}"))
-    entries: list[Artist] = [Line2D([], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair")]
+    entries: list[Artist] = [
+        Line2D(
+            [], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair"
+        )
+    ]
     for slow, other, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
-            entries.append(Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
-                                  markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"),
-                Patch(facecolor="#D55E00", alpha=0.15, linewidth=0, label="its interval of 95 %"),
-                Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
+            entries.append(
+                Line2D(
+                    [],
+                    [],
+                    marker=marker,
+                    linestyle="none",
+                    color=looks.colour,
+                    markerfacecolor="white",
+                    markersize=4.2,
+                    label=f"{slow.title()} at the limit: {bound} than this",
+                )
+            )
+    entries += [
+        Line2D(
+            [], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"
+        ),
+        Patch(facecolor="#D55E00", alpha=0.15, linewidth=0, label="its interval of 95 %"),
+        Line2D(
+            [],
+            [],
+            color="#0072B2",
+            linewidth=0.9,
+            linestyle=style.DOTTED,
+            label="16, the paper's average",
+        ),
+    ]
     style.legend_above(figure, entries, columns=3)
     return figure

@@ -1,4 +1,5 @@
-"""Table 2 of Sacht and Jacobson 2024: time of the solvers on pairs of meshes whose distance is near zero."""
+"""Table 2 of Sacht and Jacobson 2024: time of the solvers on pairs of meshes whose distance is near
+zero."""
 
 from __future__ import annotations
 
@@ -13,24 +14,42 @@ PAPER = 4.38  # speedup over Tang's program, which the paper quotes from Zheng e
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """Judges the claims for the pairs that replace the paper's, and separately for our nearer pairs.
+    """Judges the claims for the pairs that replace the paper's, and separately for our nearer
+    pairs.
 
     The claim that the paper's method is the fastest is judged on the former only.
     """
-    groups = {"near zero": [scene for scene in pairs.scenes if scene in pairs.papers],
-              "nearer than 0.1 %": [scene for scene in pairs.scenes if scene not in pairs.papers]}
-    found = [pairs.average(claims.of("sacht2024", "kang_near", group=group), "zheng", "kang", 1, scenes) for group, scenes in groups.items()]
-    found += [pairs.less(claims.of("sacht2024", "fastest_near", rival=rival), label, "sacht", groups["near zero"])
-              for rival, label in (("Kang", "kang"), ("Zheng", "zheng"))]
-    return [*found, pairs.average(claims.of("sacht2024", "zheng_tang"), "tang", "zheng"),
-            pairs.average(claims.of("sacht2024", "zheng_tang_438"), "tang", "zheng", PAPER), pairs.average(claims.of("sacht2024", "sacht_tang"), "tang", "sacht")]
+    groups = {
+        "near zero": [scene for scene in pairs.scenes if scene in pairs.papers],
+        "nearer than 0.1 %": [scene for scene in pairs.scenes if scene not in pairs.papers],
+    }
+    found = [
+        pairs.average(claims.of("sacht2024", "kang_near", group=group), "zheng", "kang", 1, scenes)
+        for group, scenes in groups.items()
+    ]
+    found += [
+        pairs.less(
+            claims.of("sacht2024", "fastest_near", rival=rival), label, "sacht", groups["near zero"]
+        )
+        for rival, label in (("Kang", "kang"), ("Zheng", "zheng"))
+    ]
+    return [
+        *found,
+        pairs.average(claims.of("sacht2024", "zheng_tang"), "tang", "zheng"),
+        pairs.average(claims.of("sacht2024", "zheng_tang_438"), "tang", "zheng", PAPER),
+        pairs.average(claims.of("sacht2024", "sacht_tang"), "tang", "sacht"),
+    ]
 
 
 SPEC = sacht_pairs.Spec(
-    "pairs of meshes near to each other", verdicts,
-    ["The paper's pairs are not public. The pairs that stand in for them are 0.35 to 0.72 % of the diagonal apart at the paper's sizes, so there are also "
-     "derived pairs, nearer than 0.1 %, which are not in the paper.",
-     "The paper quotes Zheng et al. 2022, who report that their program is 4.38 times as fast as Tang et al.'s of 2009 on half-decimated meshes."])
+    "pairs of meshes near to each other",
+    verdicts,
+    [
+        "The paper's pairs are not public. The pairs that stand in for them are 0.35 to 0.72 % of the diagonal apart at the paper's sizes, so there are also "
+        "derived pairs, nearer than 0.1 %, which are not in the paper.",
+        "The paper quotes Zheng et al. 2022, who report that their program is 4.38 times as fast as Tang et al.'s of 2009 on half-decimated meshes.",
+    ],
+)
 
 
 def make(results: Results) -> Report:

@@ -14,21 +14,35 @@ LOST = "ramesses_bust"  # the pair on which the paper's own method is slower tha
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    return [pairs.less(claims.of("sacht2024", "zheng_far"), "kang", "zheng"), fastest(pairs),
-            pairs.less_on(claims.of("sacht2024", "ramesses_bust"), "sacht", "zheng", LOST)]
+    return [
+        pairs.less(claims.of("sacht2024", "zheng_far"), "kang", "zheng"),
+        fastest(pairs),
+        pairs.less_on(claims.of("sacht2024", "ramesses_bust"), "sacht", "zheng", LOST),
+    ]
 
 
 def fastest(pairs: Pairs) -> Verdict:
     """Judges the claim that the paper's method beats both rivals on most pairs."""
     claim = claims.of("sacht2024", "fastest_far")
-    return in_time_and_work(lambda what: most_of(claim, [
-        least_of([pairs.ratio(scene, rival, "sacht", what) for rival in ("kang", "zheng")]) for scene in pairs.scenes]))
+    return in_time_and_work(
+        lambda what: most_of(
+            claim,
+            [
+                least_of([pairs.ratio(scene, rival, "sacht", what) for rival in ("kang", "zheng")])
+                for scene in pairs.scenes
+            ],
+        )
+    )
 
 
 SPEC = sacht_pairs.Spec(
-    "pairs of meshes that are not alike", verdicts,
-    ["A is from one pair of Table 2 and B from another, both centred and scaled to diagonal 1, so that they overlap. The paper does not say how its models "
-     "are placed."])
+    "pairs of meshes that are not alike",
+    verdicts,
+    [
+        "A is from one pair of Table 2 and B from another, both centred and scaled to diagonal 1, so that they overlap. The paper does not say how its models "
+        "are placed."
+    ],
+)
 
 
 def make(results: Results) -> Report:

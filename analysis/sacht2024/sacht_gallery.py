@@ -19,19 +19,42 @@ def meshes_of(results: Results, scenes: Sequence[str]) -> dict[str, tuple[Mesh, 
     for scene in scenes:
         row = results.rows(scene=scene)[0]
         try:
-            found[scene] = shapes.mesh(results, results.cases.source[row]), shapes.mesh(results, results.cases.target[row])
+            found[scene] = shapes.mesh(results, results.cases.source[row]), shapes.mesh(
+                results, results.cases.target[row]
+            )
         except ResultError:
             continue
     return found
 
 
-def draw(ax: Any, results: Results, pairs: dict[str, tuple[Mesh, Mesh]], upright: bool = True, name: Callable[[str], str] = style.scene_title) -> None:
-    """Draws the pairs from left to right, all meshes at the same size. With `upright` A is above B, else to the left of B."""
+def draw(
+    ax: Any,
+    results: Results,
+    pairs: dict[str, tuple[Mesh, Mesh]],
+    upright: bool = True,
+    name: Callable[[str], str] = style.scene_title,
+) -> None:
+    """Draws the pairs from left to right, all meshes at the same size. With `upright` A is above B,
+    else to the left of B."""
     placed = []
     for k, (scene, (a, b)) in enumerate(pairs.items()):
         eye = mesh_picture.view_of(str(results.cases.source[results.rows(scene=scene)[0]]))
         x = PITCH * k * (1 if upright else 2)
-        placed += [(a, eye, x, PITCH if upright else 0.0), (b, eye, x if upright else x + PITCH, 0.0)]
-        lines = [line for part in name(scene).splitlines() for line in textwrap.wrap(part, 16 if upright else 60)]
-        ax.text(x if upright else x + PITCH / 2, -0.6, "\n".join(lines), fontsize=5.5, ha="center", va="top")
+        placed += [
+            (a, eye, x, PITCH if upright else 0.0),
+            (b, eye, x if upright else x + PITCH, 0.0),
+        ]
+        lines = [
+            line
+            for part in name(scene).splitlines()
+            for line in textwrap.wrap(part, 16 if upright else 60)
+        ]
+        ax.text(
+            x if upright else x + PITCH / 2,
+            -0.6,
+            "\n".join(lines),
+            fontsize=5.5,
+            ha="center",
+            va="top",
+        )
     mesh_picture.thumbnails(ax, placed)

@@ -1,4 +1,5 @@
-"""Tables 2 and 3 of Sacht and Jacobson 2024: pairs of meshes, the time of each solver, and the ratios of times."""
+"""Tables 2 and 3 of Sacht and Jacobson 2024: pairs of meshes, the time of each solver, and the
+ratios of times."""
 
 from __future__ import annotations
 
@@ -21,11 +22,17 @@ PRINTED: Final = ("kang", "zheng", "sacht")  # solvers whose times the paper pri
 RATIOS: Final = (("zheng", "kang"), ("kang", "sacht"), ("zheng", "sacht"), ("cgal", "sacht"))
 SECOND: Final = {"ms": 1e-3}
 Ratio = tuple[str, str]  # two labels: time or work of the first / of the second
-STANDS_IN: Final = {"crown": "elephant", "monster": "bunny", "bust": "Snowden", "ramesses": "dragon"}  # our model for each model of the paper
+STANDS_IN: Final = {
+    "crown": "elephant",
+    "monster": "bunny",
+    "bust": "Snowden",
+    "ramesses": "dragon",
+}  # our model for each model of the paper
 
 
 def named(scene: str, between: str = " ") -> str:
-    """Returns the title of a scene with the paper's models that ours replace: 'elephant (for Crown)'."""
+    """Returns the title of a scene with the paper's models that ours replace: 'elephant (for
+    Crown)'."""
     models = scene.split("_")
     if not set(models) <= STANDS_IN.keys():
         return style.scene_title(scene)
@@ -40,23 +47,39 @@ class Pairs(Grid):
         self.printed = paper_numbers(results.stem)
         unit = SECOND[self.printed["unit"]]
         self.papers: dict[str, dict[str, Any]] = {
-            row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}} for row in self.printed["row"]}
+            row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}}
+            for row in self.printed["row"]
+        }
 
     def less_on(self, claim: str, slow: str, fast: str, scene: str) -> Verdict:
-        """Judges the claim that `fast` takes less than `slow` on one pair, in time and in counted work."""
+        """Judges the claim that `fast` takes less than `slow` on one pair, in time and in counted
+        work."""
         return in_time_and_work(lambda what: above_one(claim, self.ratio(scene, slow, fast, what)))
 
-    def average(self, claim: str, slow: str, fast: str, bar: float = 1.0, scenes: Sequence[str] | None = None) -> Verdict:
-        """Judges the claim that `fast` is `bar` times as fast on average over these pairs, in time and in counted work."""
+    def average(
+        self,
+        claim: str,
+        slow: str,
+        fast: str,
+        bar: float = 1.0,
+        scenes: Sequence[str] | None = None,
+    ) -> Verdict:
+        """Judges the claim that `fast` is `bar` times as fast on average over these pairs, in time
+        and in counted work."""
         among = self.scenes if scenes is None else scenes
-        return in_time_and_work(lambda what: on_average(claim, [self.ratio(scene, slow, fast, what) for scene in among], bar))
+        return in_time_and_work(
+            lambda what: on_average(
+                claim, [self.ratio(scene, slow, fast, what) for scene in among], bar
+            )
+        )
 
     def distance(self, scene: str) -> float:
         return self.results.share(self.first(scene))
 
 
 def percent(share: float) -> str:
-    """Formats a fraction in percent; tiny values, such as a zero with rounding errors, have an exponent."""
+    """Formats a fraction in percent; tiny values, such as a zero with rounding errors, have an
+    exponent."""
     return numerals.number(100 * share)
 
 
@@ -75,39 +98,89 @@ def title(pair: Ratio) -> str:
 def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = numerals.time_unit(cell.time.value for cell in pairs.cells.values())
-    table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
-                         "Jacobson 2024, with the counted work.",
-                         ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(),
-                          *map(title, spec.ratios)], left=2, parts=(2, 4 + len(pairs.titles())))
+    table = tables.Table(
+        f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
+        "Jacobson 2024, with the counted work.",
+        ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(), *map(title, spec.ratios)],
+        left=2,
+        parts=(2, 4 + len(pairs.titles())),
+    )
     for scene in pairs.scenes:
         table.rules.add(len(table.rows))
         table.rows += rows_of(pairs, spec.ratios, scene, scale)
     table.verdicts = spec.verdicts(pairs)
-    table.notes = [*spec.notes, *scene_notes(results),
-                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not.",
-                   "Ratios are paired by round. The solvers count distances, bounds and nodes, which are the same on every machine; CGAL counts nothing.",
-                   f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
-                   f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: measured on another machine, with its authors' programs.",
-                   f"Here: {machine_line(results)}.", "A dash: not part of the experiment, or not in the paper."]
+    table.notes = [
+        *spec.notes,
+        *scene_notes(results),
+        tables.coverage_note(cell.time for cell in pairs.cells.values())
+        + " Preparation is included, loading is not.",
+        "Ratios are paired by round. The solvers count distances, bounds and nodes, which are the same on every machine; CGAL counts nothing.",
+        f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
+        f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: measured on another machine, with its authors' programs.",
+        f"Here: {machine_line(results)}.",
+        "A dash: not part of the experiment, or not in the paper.",
+    ]
     beside = " Open: as printed in the paper, on another machine." if tests_claims(results) else ""
-    caption = (f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
-               f"interval.{beside}")
-    return Report(lambda: beside_paper.draw(pairs, pairs.papers, lambda _, scene: named(scene, "\n")), table, records(pairs), caption=caption)
+    caption = (
+        f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
+        f"interval.{beside}"
+    )
+    return Report(
+        lambda: beside_paper.draw(pairs, pairs.papers, lambda _, scene: named(scene, "\n")),
+        table,
+        records(pairs),
+        caption=caption,
+    )
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:
     """Returns the table rows of a scene: times, counted work, and the paper's times."""
     paper = pairs.papers.get(scene, {})
-    rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
-             *pairs.texts(scene, scale), *[numerals.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]
+    rows = [
+        [
+            named(scene),
+            "here",
+            pairs.results.sizes(pairs.first(scene)),
+            percent(pairs.distance(scene)),
+            *pairs.texts(scene, scale),
+            *[numerals.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios],
+        ]
+    ]
     for what, names in MEASURES.items():
-        rows.append(["", what, "", "", *[count_text(cell, names) for cell in pairs.row(scene)],
-                     *[numerals.ratio(pairs.ratio(scene, *ratio, what)) for ratio in ratios]])
+        rows.append(
+            [
+                "",
+                what,
+                "",
+                "",
+                *[count_text(cell, names) for cell in pairs.row(scene)],
+                *[numerals.ratio(pairs.ratio(scene, *ratio, what)) for ratio in ratios],
+            ]
+        )
     if paper:
-        sizes = (f"{paper['source_elements']:,} / {paper['target_elements']:,}" if "source_elements" in paper else numerals.NOTHING)
-        rows.append(["", "paper", sizes, numerals.NOTHING,
-                     *[f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING for _, label in pairs.labels],
-                     *[numerals.number(paper[a] / paper[b]) if a in paper and b in paper else numerals.NOTHING for a, b in ratios]])
+        sizes = (
+            f"{paper['source_elements']:,} / {paper['target_elements']:,}"
+            if "source_elements" in paper
+            else numerals.NOTHING
+        )
+        rows.append(
+            [
+                "",
+                "paper",
+                sizes,
+                numerals.NOTHING,
+                *[
+                    f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
+                    for _, label in pairs.labels
+                ],
+                *[
+                    numerals.number(paper[a] / paper[b])
+                    if a in paper and b in paper
+                    else numerals.NOTHING
+                    for a, b in ratios
+                ],
+            ]
+        )
     return rows
 
 
@@ -115,8 +188,19 @@ def records(pairs: Pairs) -> list[tables.Record]:
     cases, found = pairs.results.cases, list[tables.Record]()
     for (scene, label), cell in pairs.cells.items():
         first = pairs.first(scene)
-        found.append({"scene": scene, "label": label, "source_elements": int(cases.source_elements[first]),
-                      "target_elements": int(cases.target_elements[first]), "distance_of_diagonal": pairs.distance(scene),
-                      "status": cell.status(), **tables.seconds(cell.time), "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
-                      "paper_seconds": float(pairs.papers.get(scene, {}).get(label, math.nan)), **cell.counters})
+        found.append(
+            {
+                "scene": scene,
+                "label": label,
+                "source_elements": int(cases.source_elements[first]),
+                "target_elements": int(cases.target_elements[first]),
+                "distance_of_diagonal": pairs.distance(scene),
+                "status": cell.status(),
+                **tables.seconds(cell.time),
+                "prepare_seconds": cell.prepare,
+                "peak_bytes": cell.peak,
+                "paper_seconds": float(pairs.papers.get(scene, {}).get(label, math.nan)),
+                **cell.counters,
+            }
+        )
     return found

@@ -1,4 +1,5 @@
-"""Fits cost = constant * n^exponent to time and memory, with intervals, and forecasts the cost of larger sizes."""
+"""Fits cost = constant * n^exponent to time and memory, with intervals, and forecasts the cost of
+larger sizes."""
 
 from __future__ import annotations
 
@@ -20,17 +21,24 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.estimates import CONFIDENCE
 
 LEAST_SECONDS: Final = 2e-4  # shorter times are dominated by startup and cold caches
-LEAST_BYTES: Final = 2**20  # smaller peaks depend on page sizes and on memory left over from loading
+LEAST_BYTES: Final = (
+    2**20
+)  # smaller peaks depend on page sizes and on memory left over from loading
 FIXED: Final = 10.0  # costs below this many times the least are not used: their fixed part would flatten the line
 LEAST_SIZES: Final = 3  # any two sizes lie on a line, so they cannot test it
 ANSWERS: Final = "ok"
 # By experiment: its elements, the label to whose memory the others are compared, and a note.
-# The scans have edges with more than two faces, or flipped faces; simplification first makes them manifolds.
+# The scans have edges with more than two faces, or flipped faces; simplification first makes them
+# manifolds.
 STEMS: Final = {
     "scaling_points": ("point", "cgal_kdtree", ""),
-    "scaling_meshes": ("triangle", "cgal",
-                       "CGAL gets a mesh with shared vertices if the triangles form a manifold, as after simplifying and in the finest scan, and otherwise "
-                       "a soup, which is built faster, so the exponent of its preparation mixes two kinds.")}
+    "scaling_meshes": (
+        "triangle",
+        "cgal",
+        "CGAL gets a mesh with shared vertices if the triangles form a manifold, as after simplifying and in the finest scan, and otherwise "
+        "a soup, which is built faster, so the exponent of its preparation mixes two kinds.",
+    ),
+}
 PREPARE: Final[dict[str, Any]] = {"linestyle": (0, (2.5, 2)), "linewidth": 0.5}
 
 
@@ -46,10 +54,11 @@ UNKNOWN: Final = Interval(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Growth:
-    """The fit cost = constant * n^exponent: a least squares line through logarithms, with Student's intervals.
+    """The fit cost = constant * n^exponent: a least squares line through logarithms, with Student's
+    intervals.
 
-    The intervals hold if the logarithms scatter about the line with constant variance. If the true curve bends (caches,
-    a fixed cost), they become wide.
+    The intervals hold if the logarithms scatter about the line with constant variance. If the true
+    curve bends (caches, a fixed cost), they become wide.
     """
 
     sizes: tuple[float, ...]
@@ -73,8 +82,12 @@ class Growth:
         x, y = np.log(self.sizes), np.log(self.costs)
         fit = scipy.stats.linregress(x, y)
         middle = float(fit.intercept + fit.slope * math.log(n))
-        scatter = math.sqrt(float(((y - fit.intercept - fit.slope * x)**2).sum()) / (len(x) - 2))
-        spread = math.sqrt(1 + 1 / len(x) + (math.log(n) - float(x.mean()))**2 / float(((x - x.mean())**2).sum()))
+        scatter = math.sqrt(float(((y - fit.intercept - fit.slope * x) ** 2).sum()) / (len(x) - 2))
+        spread = math.sqrt(
+            1
+            + 1 / len(x)
+            + (math.log(n) - float(x.mean())) ** 2 / float(((x - x.mean()) ** 2).sum())
+        )
         half = self._quantile() * scatter * spread
         return Interval(math.exp(middle), math.exp(middle - half), math.exp(middle + half))
 
@@ -82,10 +95,14 @@ class Growth:
         return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(self.sizes) - 2))
 
 
-def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED) -> Growth:
-    """Fits the growth over the largest sizes, from the first one after which all costs are large enough.
+def growth(
+    sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED
+) -> Growth:
+    """Fits the growth over the largest sizes, from the first one after which all costs are large
+    enough.
 
-    A cost is large enough if it is at least `least`, and `fixed` times the cost of the smallest size.
+    A cost is large enough if it is at least `least`, and `fixed` times the cost of the smallest
+    size.
     """
     known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
     bar = max([least, *[fixed * cost for _, cost in known[:1]]])
@@ -125,19 +142,38 @@ class Curve:
 
 def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
     cases = results.cases
-    rows = sorted(results.rows(family=regime, solver=solver, label=label), key=lambda row: elements(results, row))
+    rows = sorted(
+        results.rows(family=regime, solver=solver, label=label),
+        key=lambda row: elements(results, row),
+    )
     if len({elements(results, row) for row in rows}) < len(rows):
-        raise ResultError(f"{results.path}: '{label}' in regime '{regime}' has two rows of one size: give each size one tolerance, pose and variant")
+        raise ResultError(
+            f"{results.path}: '{label}' in regime '{regime}' has two rows of one size: give each size one tolerance, pose and variant"
+        )
     there = [row for row in rows if cases.status[row] == ANSWERS]
     first = [np.array(list(results.first_by_round(row).values())) for row in there]
     return Curve(
-        regime, solver, label, tuple(there), tuple(elements(results, row) for row in there),
+        regime,
+        solver,
+        label,
+        tuple(there),
+        tuple(elements(results, row) for row in there),
         tuple(results.prepare_seconds(row) for row in there),
         tuple(float(np.median(seconds)) if len(seconds) else math.nan for seconds in first),
-        tuple(float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there),
-        tuple(float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan for row in there),
-        tuple((elements(results, row), str(cases.status[row])) for row in rows if cases.status[row] != ANSWERS),
-        not reason_apart(origins(results, there)))
+        tuple(
+            float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there
+        ),
+        tuple(
+            float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan
+            for row in there
+        ),
+        tuple(
+            (elements(results, row), str(cases.status[row]))
+            for row in rows
+            if cases.status[row] != ANSWERS
+        ),
+        not reason_apart(origins(results, there)),
+    )
 
 
 def elements(results: Results, row: int) -> float:
@@ -146,13 +182,19 @@ def elements(results: Results, row: int) -> float:
 
 def curves(results: Results) -> list[Curve]:
     labels = style.order(zip(results.cases.solver, results.cases.label))
-    return [curve(results, str(regime), solver, label) for regime in results.in_order("family") for solver, label in labels
-            if results.rows(family=regime, solver=solver, label=label)]
+    return [
+        curve(results, str(regime), solver, label)
+        for regime in results.in_order("family")
+        for solver, label in labels
+        if results.rows(family=regime, solver=solver, label=label)
+    ]
 
 
 def text(x: Interval) -> str:
     """Formats an exponent with its interval: '1.02 [0.98, 1.06]'."""
-    return numerals.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {numerals.ends(x.low, x.high)}"
+    return (
+        numerals.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {numerals.ends(x.low, x.high)}"
+    )
 
 
 def short(n: float) -> str:
@@ -166,67 +208,135 @@ def short(n: float) -> str:
 def make(results: Results) -> Report:
     what, rival, remark = STEMS[results.stem]
     found = curves(results)
-    by_regime = {regime: [one for one in found if one.regime == regime] for regime in dict.fromkeys(one.regime for one in found)}
+    by_regime = {
+        regime: [one for one in found if one.regime == regime]
+        for regime in dict.fromkeys(one.regime for one in found)
+    }
     table = tables.Table(
         f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size with an answer, and how they grow.",
-        ["regime", "solver", "answered", f"prepare, ns per {what}", "grows as n^", f"solve, ns per {what}", "grows as n^",
-         f"peak, bytes per {what}", "grows as n^", f"structures, bytes per {what}", f"peak, {style.title(rival)} / this"], left=3)
+        [
+            "regime",
+            "solver",
+            "answered",
+            f"prepare, ns per {what}",
+            "grows as n^",
+            f"solve, ns per {what}",
+            "grows as n^",
+            f"peak, bytes per {what}",
+            "grows as n^",
+            f"structures, bytes per {what}",
+            f"peak, {style.title(rival)} / this",
+        ],
+        left=3,
+    )
     records: list[tables.Record] = []
     for own in by_regime.values():
         table.rules.add(len(table.rows))
         beside = next((one for one in own if one.label == rival), None)
         for one in own:
-            grown = [one.growth_of(one.prepare), one.growth_of(one.solve),
-                     growth(one.sizes, one.peak, LEAST_BYTES)]
-            table.rows.append([
-                one.regime, one.title, answered(one),
-                numerals.number(1e9 * one.last(one.prepare)), text(grown[0].exponent()), numerals.number(1e9 * one.last(one.solve)),
-                text(grown[1].exponent()), numerals.number(one.last(one.peak)), text(grown[2].exponent()),
-                numerals.number(one.last(one.structures)), numerals.number(peak_ratio(beside, one))])
+            grown = [
+                one.growth_of(one.prepare),
+                one.growth_of(one.solve),
+                growth(one.sizes, one.peak, LEAST_BYTES),
+            ]
+            table.rows.append(
+                [
+                    one.regime,
+                    one.title,
+                    answered(one),
+                    numerals.number(1e9 * one.last(one.prepare)),
+                    text(grown[0].exponent()),
+                    numerals.number(1e9 * one.last(one.solve)),
+                    text(grown[1].exponent()),
+                    numerals.number(one.last(one.peak)),
+                    text(grown[2].exponent()),
+                    numerals.number(one.last(one.structures)),
+                    numerals.number(peak_ratio(beside, one)),
+                ]
+            )
             records += [record(one, i, grown) for i in range(len(one.sizes))]
-            records += [{"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(n), "status": status}
-                        for n, status in one.lost]
+            records += [
+                {
+                    "regime": one.regime,
+                    "solver": one.solver,
+                    "label": one.label,
+                    "elements": int(n),
+                    "status": status,
+                }
+                for n, status in one.lost
+            ]
     table.notes = [
         "Peak: the resident set less the resident set before preparing, so without the shapes themselves; structures: the sizes that they report. "
         f"Exponents: the line through the logarithms, from the size on at which a cost is {FIXED:g} times that of the smallest one (below, its fixed part "
         f"dominates) and at least {LEAST_SECONDS * 1e3:g} ms or {LEAST_BYTES // 2**20} MiB; {LEAST_SIZES} sizes or more, with Student's interval of 95 %, "
         "which is valid if they scatter about a line.",
         f"{style.title(rival)} / this: at the largest size that both answered.",
-        *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]),
-        f"{machine_line(results)}."]
-    return Report(lambda: draw(by_regime, what), table, records, style.letters_key(status for one in found for _, status in one.lost))
+        *[f"{regime}: {note}." for regime, note in notes(results).items()],
+        *filter(None, [remark]),
+        f"{machine_line(results)}.",
+    ]
+    return Report(
+        lambda: draw(by_regime, what),
+        table,
+        records,
+        style.letters_key(status for one in found for _, status in one.lost),
+    )
 
 
 def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
-    fits = {f"{name}_{end}": getattr(fit.exponent(), end)
-            for name, fit in zip(("prepare_exponent", "solve_exponent", "peak_exponent"), grown) for end in ("value", "low", "high")}
-    return {"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(one.sizes[i]), "status": ANSWERS,
-            "prepare_seconds": one.prepare[i], "solve_seconds": one.solve[i], "peak_bytes": one.peak[i],
-            "structure_bytes": one.structures[i], **fits}
+    fits = {
+        f"{name}_{end}": getattr(fit.exponent(), end)
+        for name, fit in zip(("prepare_exponent", "solve_exponent", "peak_exponent"), grown)
+        for end in ("value", "low", "high")
+    }
+    return {
+        "regime": one.regime,
+        "solver": one.solver,
+        "label": one.label,
+        "elements": int(one.sizes[i]),
+        "status": ANSWERS,
+        "prepare_seconds": one.prepare[i],
+        "solve_seconds": one.solve[i],
+        "peak_bytes": one.peak[i],
+        "structure_bytes": one.structures[i],
+        **fits,
+    }
 
 
 def answered(one: Curve) -> str:
     """Returns the sizes that were answered, and the failures: '2K to 600K; timeout at 2M'."""
     there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
-    return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]])
+    return "; ".join(
+        [there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]]
+    )
 
 
 def peak_ratio(rival: Curve | None, one: Curve) -> float:
-    """Returns the rival's peak memory / the solver's, at the largest size at which both are at least LEAST_BYTES."""
+    """Returns the rival's peak memory / the solver's, at the largest size at which both are at
+    least LEAST_BYTES."""
     if rival is None or rival is one:
         return math.nan
     theirs = dict(zip(rival.sizes, rival.peak))
-    both = [theirs[n] / peak for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES and theirs.get(n, math.nan) >= LEAST_BYTES]
+    both = [
+        theirs[n] / peak
+        for n, peak in zip(one.sizes, one.peak)
+        if peak >= LEAST_BYTES and theirs.get(n, math.nan) >= LEAST_BYTES
+    ]
     return both[-1] if both else math.nan
 
 
 def notes(results: Results) -> dict[str, str]:
     """Returns the notes of the experiment file, by regime."""
-    return {str(family): str(note).partition(";")[0] for family, note in zip(results.cases.family, results.cases.scene_note) if note}
+    return {
+        str(family): str(note).partition(";")[0]
+        for family, note in zip(results.cases.family, results.cases.scene_note)
+        if note
+    }
 
 
 def has_marks(ax: Any) -> bool:
-    """Tells whether the axes show data. Failure marks at the edge do not count, as they have no data coordinates."""
+    """Tells whether the axes show data. Failure marks at the edge do not count, as they have no
+    data coordinates."""
     return any(len(line.get_xdata()) and line.get_transform() == ax.transData for line in ax.lines)
 
 
@@ -239,23 +349,43 @@ def tick(axes: Iterable[Any]) -> None:
 
 
 def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
-    """Draws times to solve (filled marks) and to prepare (small open marks) above, and peak memory per element below."""
-    figure, axes = plt.subplots(2, max(1, len(by_regime)), figsize=(style.DOUBLE_COLUMN, 4.4), sharex=True, sharey="row", squeeze=False)
+    """Draws times to solve (filled marks) and to prepare (small open marks) above, and peak memory
+    per element below."""
+    figure, axes = plt.subplots(
+        2,
+        max(1, len(by_regime)),
+        figsize=(style.DOUBLE_COLUMN, 4.4),
+        sharex=True,
+        sharey="row",
+        squeeze=False,
+    )
     for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
         lost = []
         for one in own:
             looks = style.look(one.solver, one.label)
-            lost += [(looks, style.status_letter(status)) for status in dict.fromkeys(status for _, status in one.lost)]
+            lost += [
+                (looks, style.status_letter(status))
+                for status in dict.fromkeys(status for _, status in one.lost)
+            ]
             if not one.sizes:
                 continue
-            above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
+            above.plot(
+                one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7
+            )
             above.plot(one.sizes, one.solve, **style.filled_marker(looks))
-            # CGAL prepares triangle soups and manifolds in different ways, so no line joins its preparation times.
-            prepare = style.open_marker(looks) | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5} | ({} if one.solver == "cgal" else PREPARE)
+            # CGAL prepares triangle soups and manifolds in different ways, so no line joins its
+            # preparation times.
+            prepare = (
+                style.open_marker(looks)
+                | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5}
+                | ({} if one.solver == "cgal" else PREPARE)
+            )
             above.plot(one.sizes, one.prepare, **prepare)
             told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]
             if told:
-                below.plot(*np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
+                below.plot(
+                    *np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7
+                )
                 below.plot(*np.array(told).T, **style.filled_marker(looks))
         style.margin_marks(above, lost, 120)
         above.set(title=regime)
@@ -265,7 +395,18 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
     grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}
-    of_time = [Line2D([], [], label="filled: solve", **grey),
-               Line2D([], [], label="small and open: prepare", **(style.open_marker(style.NEUTRAL) | {"markersize": 0.6 * style.NEUTRAL.size} | PREPARE))]
+    of_time = [
+        Line2D([], [], label="filled: solve", **grey),
+        Line2D(
+            [],
+            [],
+            label="small and open: prepare",
+            **(
+                style.open_marker(style.NEUTRAL)
+                | {"markersize": 0.6 * style.NEUTRAL.size}
+                | PREPARE
+            ),
+        ),
+    ]
     style.legend_above(figure, [*style.handles(labels), *of_time], columns=4)
     return figure

@@ -1,12 +1,13 @@
 """Forecasts from measured sizes the cost of 10^9 points in each set, computed at once or in shards.
 
-Shards: split A into k cells with equally many points (the cells of a k-d tree). The task of cell i gets its points A_i,
-and B_i: all points of B within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is at least h(A_i, B), because
-B_i is a part of B. If u_i <= r it is exact: each point of A_i has its nearest point of B within u_i, so in B_i.
-Otherwise, if u_i is above the largest exact answer so far (0 if there is none), the task runs again with margin u_i, and
-is exact by the same argument; while B_i is empty, the margin is doubled. h(A, B) is the largest exact answer. If a
-solver gives an interval, u_i is its upper end, and the box of A_i is rounded outward. The forecast does not include
-tasks that run again.
+Shards: split A into k cells with equally many points (the cells of a k-d tree). The task of cell i
+gets its points A_i, and B_i: all points of B within a margin r of the box of A_i. Its answer u_i =
+h(A_i, B_i) is at least h(A_i, B), because B_i is a part of B. If u_i <= r it is exact: each point
+of A_i has its nearest point of B within u_i, so in B_i. Otherwise, if u_i is above the largest
+exact answer so far (0 if there is none), the task runs again with margin u_i, and is exact by the
+same argument; while B_i is empty, the margin is doubled. h(A, B) is the largest exact answer. If a
+solver gives an interval, u_i is its upper end, and the box of A_i is rounded outward. The forecast
+does not include tasks that run again.
 """
 
 from __future__ import annotations
@@ -20,7 +21,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis.scaling.growth import LEAST_BYTES, Curve, Growth, Interval, curves, growth, has_marks, notes, short, tick
+from analysis.scaling.growth import (
+    LEAST_BYTES,
+    Curve,
+    Growth,
+    Interval,
+    curves,
+    growth,
+    has_marks,
+    notes,
+    short,
+    tick,
+)
 from analysis.shared import numerals, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -35,7 +47,9 @@ COPIES: Final = 2  # copies of a shape in memory while it is loaded
 LEAST_SECONDS: Final = 1e-3  # a fixed cost dominates shorter times, so they are not extrapolated
 PASSES: Final = 3  # passes over the data: read and write to split, then read the shards
 MOST_TASKS: Final = 100_000
-MOST_MARGIN: Final = 4.0  # if B_i has more than this many times the points of A_i, shards gain little
+MOST_MARGIN: Final = (
+    4.0  # if B_i has more than this many times the points of A_i, shards gain little
+)
 TOO_WIDE: Final = "margin too wide"
 
 
@@ -49,15 +63,19 @@ class Shards:
 def widened(tasks: float, margin: float) -> float:
     """Estimates the points of B in a cell and its margin, as a multiple of the cell's points of A.
 
-    `margin` is a fraction of the diagonal of a cube, in which points are spread evenly over a surface: its cells have
-    side / sqrt(tasks), less than for points that fill the cube. Uneven points may need half as much again.
+    `margin` is a fraction of the diagonal of a cube, in which points are spread evenly over a
+    surface: its cells have side / sqrt(tasks), less than for points that fill the cube. Uneven
+    points may need half as much again.
     """
     side = 1 / math.sqrt(3) / math.sqrt(tasks)
-    return (1 + 2 * margin / side)**3
+    return (1 + 2 * margin / side) ** 3
 
 
-def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
-    """Returns the smallest number of tasks, to within 5 %, at which a task's points and the solver's memory fit into `memory`.
+def shards(
+    each: float, margin: float, memory: float, bytes_of: Callable[[float], float]
+) -> Shards | None:
+    """Returns the smallest number of tasks, to within 5 %, at which a task's points and the
+    solver's memory fit into `memory`.
 
     None if there is none up to MOST_TASKS, or if the margin is larger than MOST_MARGIN.
     """
@@ -90,7 +108,9 @@ def times(x: Interval, factor: float) -> Interval:
 def distances(results: Results, one: Curve) -> Growth:
     """Fits how h, as a fraction of the diagonal of A, depends on size."""
     cases = results.cases
-    return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0)
+    return growth(
+        one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0
+    )
 
 
 def cost(one: Curve) -> Growth:
@@ -102,13 +122,22 @@ def memory_of(one: Curve) -> Growth:
 
 
 def forecast(results: Results, one: Curve, memory: float) -> Forecast:
-    """Returns the forecast for one solver. The upper ends of the forecast memory and distance set shard size and margin."""
+    """Returns the forecast for one solver. The upper ends of the forecast memory and distance set
+    shard size and margin."""
     total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
     margin = distance.at(total).high
     known = seconds.known and peak.known and math.isfinite(margin)
     plan = shards(EACH, margin, memory, lambda n: peak.at(n).high) if known else None
-    return Forecast(one.regime, one.title, distance.at(total), peak.at(total), seconds.at(total), known, plan,
-                    times(seconds.at(plan.points), plan.tasks) if plan else times(seconds.at(total), math.nan))
+    return Forecast(
+        one.regime,
+        one.title,
+        distance.at(total),
+        peak.at(total),
+        seconds.at(total),
+        known,
+        plan,
+        times(seconds.at(plan.points), plan.tasks) if plan else times(seconds.at(total), math.nan),
+    )
 
 
 def text(x: Interval, scale: float) -> str:
@@ -122,25 +151,69 @@ def make(results: Results) -> Report:
     everyone = curves(results)
     found = [one for one in everyone if one.label in SOLVERS]
     left_out = dict.fromkeys(one.title for one in everyone if one.label not in SOLVERS)
-    cores, memory = max(1, int(results.meta.get("cores", 1))), float(results.meta.get("memory_bytes", math.nan))
+    cores, memory = max(1, int(results.meta.get("cores", 1))), float(
+        results.meta.get("memory_bytes", math.nan)
+    )
     own = [forecast(results, one, memory / cores) for one in found]
     largest = max((one.sizes[-1] for one in found if one.sizes), default=math.nan)
     table = tables.Table(
         f"{short(EACH)} points in A and as many in B: a forecast from sizes of up to {short(largest)} points in all; never run.",
-        ["regime", "solver", "h, of the diagonal", "points, GB", "solver, GB besides", "prepare and solve, s", "tasks", "points of a task",
-         "|B| / |A| of a task", "all tasks, s"], left=2)
+        [
+            "regime",
+            "solver",
+            "h, of the diagonal",
+            "points, GB",
+            "solver, GB besides",
+            "prepare and solve, s",
+            "tasks",
+            "points of a task",
+            "|B| / |A| of a task",
+            "all tasks, s",
+        ],
+        left=2,
+    )
     records: list[tables.Record] = []
     for one in own:
         plan = one.plan
-        table.rows.append([
-            one.regime, one.title, text(one.distance, 1), numerals.number(2 * EACH * POINT / 1e9), text(one.peak, 1e-9), text(one.seconds, 1),
-            *([str(plan.tasks), short(plan.points), numerals.number(plan.margin), text(one.plan_seconds, 1)] if plan
-              else [TOO_WIDE if one.known else numerals.NOTHING, *3 * [numerals.NOTHING]])])
-        records.append({"regime": one.regime, "solver": one.title, "each": EACH,
-                        **{f"{name}_{end}": getattr(x, end) for name, x in
-                           (("distance", one.distance), ("peak_bytes", one.peak), ("seconds", one.seconds), ("tasks_seconds", one.plan_seconds))
-                           for end in ("value", "low", "high")},
-                        "tasks": plan.tasks if plan else 0, "points_of_a_task": plan.points if plan else math.nan})
+        table.rows.append(
+            [
+                one.regime,
+                one.title,
+                text(one.distance, 1),
+                numerals.number(2 * EACH * POINT / 1e9),
+                text(one.peak, 1e-9),
+                text(one.seconds, 1),
+                *(
+                    [
+                        str(plan.tasks),
+                        short(plan.points),
+                        numerals.number(plan.margin),
+                        text(one.plan_seconds, 1),
+                    ]
+                    if plan
+                    else [TOO_WIDE if one.known else numerals.NOTHING, *3 * [numerals.NOTHING]]
+                ),
+            ]
+        )
+        records.append(
+            {
+                "regime": one.regime,
+                "solver": one.title,
+                "each": EACH,
+                **{
+                    f"{name}_{end}": getattr(x, end)
+                    for name, x in (
+                        ("distance", one.distance),
+                        ("peak_bytes", one.peak),
+                        ("seconds", one.seconds),
+                        ("tasks_seconds", one.plan_seconds),
+                    )
+                    for end in ("value", "low", "high")
+                },
+                "tasks": plan.tasks if plan else 0,
+                "points_of_a_task": plan.points if plan else math.nan,
+            }
+        )
     table.notes = [
         "Brackets: Student's interval of 95 % for one more measurement at that size, if costs keep growing as they did; nothing was measured there.",
         f"Tasks: the fewest (to one in twenty) that fit in the memory per core of the machine below ({numerals.number(memory / cores / 1e9, 2)} GB), at the "
@@ -156,10 +229,14 @@ def make(results: Results) -> Report:
         f"The files take {numerals.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the tasks): "
         f"{numerals.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {numerals.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
         "A process numbers points with 32 bits: at most 2.1G in each set.",
-        *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
+        *[f"{regime}: {note}." for regime, note in notes(results).items()],
+        f"{machine_line(results)}.",
+    ]
     table.notes = [note for note in table.notes if note]
     drawn = [one for one in found if one.label == DRAWN]
-    known = any(cost(one).known or memory_of(one).known for one in drawn)  # otherwise there is no line to draw
+    known = any(
+        cost(one).known or memory_of(one).known for one in drawn
+    )  # otherwise there is no line to draw
     return Report((lambda: draw(drawn, memory)) if known else None, table, records)
 
 
@@ -169,28 +246,78 @@ def draw(found: list[Curve], memory: float) -> Any:
     colours = [style.look(name).colour for name in ("scan", "ohd", "nohd", "adaptive")]
     entries = []
     for i, (one, colour) in enumerate(zip(found, colours)):
-        for ax, grown, besides in ((axes[0], cost(one), 0.0), (axes[1], memory_of(one), float(POINT))):
+        for ax, grown, besides in (
+            (axes[0], cost(one), 0.0),
+            (axes[1], memory_of(one), float(POINT)),
+        ):
             if not grown.sizes:
                 continue
             measured = np.array(grown.costs) + besides * np.array(grown.sizes)
-            ax.plot(grown.sizes, measured, marker="ov^s"[i], color=colour, linestyle="none", markersize=3.5)
+            ax.plot(
+                grown.sizes,
+                measured,
+                marker="ov^s"[i],
+                color=colour,
+                linestyle="none",
+                markersize=3.5,
+            )
             if not grown.known:
                 continue
             sizes = np.geomspace(min(grown.sizes), 2 * EACH, 60)
             foretold = [grown.at(float(n)) for n in sizes]
-            ax.plot(sizes, [x.value + besides * n for x, n in zip(foretold, sizes)], color=colour, linewidth=0.8)
-            ax.fill_between(sizes, [x.low + besides * n for x, n in zip(foretold, sizes)], [x.high + besides * n for x, n in zip(foretold, sizes)],
-                            color=colour, alpha=0.15, linewidth=0)
-        entries.append(Line2D([], [], label=one.regime, marker="ov^s"[i], color=colour, linewidth=0.8, markersize=3.5))
+            ax.plot(
+                sizes,
+                [x.value + besides * n for x, n in zip(foretold, sizes)],
+                color=colour,
+                linewidth=0.8,
+            )
+            ax.fill_between(
+                sizes,
+                [x.low + besides * n for x, n in zip(foretold, sizes)],
+                [x.high + besides * n for x, n in zip(foretold, sizes)],
+                color=colour,
+                alpha=0.15,
+                linewidth=0,
+            )
+        entries.append(
+            Line2D(
+                [],
+                [],
+                label=one.regime,
+                marker="ov^s"[i],
+                color=colour,
+                linewidth=0.8,
+                markersize=3.5,
+            )
+        )
     for ax in axes:
         if has_marks(ax):
             ax.axvline(2 * EACH, color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
-            ax.annotate(f"{short(EACH)} points in each", (2 * EACH, 0.02), xycoords=("data", "axes fraction"), xytext=(-2, 0), textcoords="offset points",
-                        fontsize=6.5, color=style.GREY, rotation=90, ha="right", va="bottom")
+            ax.annotate(
+                f"{short(EACH)} points in each",
+                (2 * EACH, 0.02),
+                xycoords=("data", "axes fraction"),
+                xytext=(-2, 0),
+                textcoords="offset points",
+                fontsize=6.5,
+                color=style.GREY,
+                rotation=90,
+                ha="right",
+                va="bottom",
+            )
         ax.set(xlabel="points, |A| + |B|")
     if math.isfinite(memory) and has_marks(axes[1]):
         axes[1].axhline(memory, color=style.GREY, linewidth=0.8, linestyle=style.DASHED)
-        entries.append(Line2D([], [], label="memory of this machine", color=style.GREY, linewidth=0.8, linestyle=style.DASHED))
+        entries.append(
+            Line2D(
+                [],
+                [],
+                label="memory of this machine",
+                color=style.GREY,
+                linewidth=0.8,
+                linestyle=style.DASHED,
+            )
+        )
     axes[0].set_ylabel("prepare and solve (s)")
     axes[1].set_ylabel("points and peak (bytes)")
     tick(axes)

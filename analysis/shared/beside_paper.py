@@ -1,4 +1,5 @@
-"""Draws our times and the times that a paper prints in one figure: one band per scene, one line per solver.
+"""Draws our times and the times that a paper prints in one figure: one band per scene, one line per
+solver.
 
 Filled marks are our medians, bars their intervals; open marks are the paper's times.
 """
@@ -19,15 +20,23 @@ from analysis.shared.sizes import tests_claims
 
 
 def row_title(grid: Grid, scene: str) -> str:
-    """Returns the label of a scene: its title and, if we lack the paper's shapes, the shapes used instead, in short lines."""
+    """Returns the label of a scene: its title and, if we lack the paper's shapes, the shapes used
+    instead, in short lines."""
     shapes = stand_in(str(grid.results.cases.scene_note[grid.first(scene)]))
-    return "\n".join([style.scene_title(scene), *textwrap.wrap(f"(stand-in: {shapes})" if shapes else "", 22)])
+    return "\n".join(
+        [style.scene_title(scene), *textwrap.wrap(f"(stand-in: {shapes})" if shapes else "", 22)]
+    )
 
 
-def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
+def draw(
+    grid: Grid,
+    papers: Mapping[str, Mapping[str, Any]],
+    title: Callable[[Grid, str], str] = row_title,
+) -> Any:
     """Draws the figure. `title` returns the label of a scene.
 
-    `papers` holds the seconds that the paper prints, by scene and label. They are drawn only if this run has the sizes of the paper.
+    `papers` holds the seconds that the paper prints, by scene and label. They are drawn only if
+    this run has the sizes of the paper.
     """
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
@@ -36,8 +45,19 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
     present = [pair for pair in grid.labels if any((scene, pair[1]) in cells for scene in scenes)]
     pitch = len(present) + 1.0
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.75 + 0.098 * pitch * len(scenes)))
-    known = [x for cell in cells.values() if cell.time.n for x in (cell.time.value, cell.time.low, cell.time.high)]
-    known += [papers[s][label] for s in scenes if s in papers for _, label in present if label in papers[s]]
+    known = [
+        x
+        for cell in cells.values()
+        if cell.time.n
+        for x in (cell.time.value, cell.time.low, cell.time.high)
+    ]
+    known += [
+        papers[s][label]
+        for s in scenes
+        if s in papers
+        for _, label in present
+        if label in papers[s]
+    ]
     known = [x for x in known if np.isfinite(x) and x > 0] or [1.0]
     ax.set_xscale("log")
     ax.set_xlim(min(known) / 2, max(known) * 2)
@@ -48,7 +68,14 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
             y, looks, cell = i * pitch + j, style.look(solver, label), cells.get((scene, label))
             printed = papers.get(scene, {}).get(label)
             if printed and cell and cell.time.n:
-                ax.plot([printed, cell.time.value], [y, y], color=looks.colour, linewidth=0.5, alpha=0.6, zorder=1)
+                ax.plot(
+                    [printed, cell.time.value],
+                    [y, y],
+                    color=looks.colour,
+                    linewidth=0.5,
+                    alpha=0.6,
+                    zorder=1,
+                )
             if printed:
                 ax.plot(printed, y, **style.open_marker(looks))
             if cell and cell.time.n:
@@ -57,10 +84,21 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
             elif cell:
                 # Written on the side away from the paper's mark.
                 right = bool(printed and printed**2 < min(known) * max(known))
-                ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
-                        transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
+                ax.text(
+                    0.985 if right else 0.015,
+                    y,
+                    f"{looks.title}: {cell.text(1)}",
+                    fontsize=6,
+                    color="#333333",
+                    transform=ax.get_yaxis_transform(),
+                    ha="right" if right else "left",
+                    va="center",
+                )
     ax.set_ylim(len(scenes) * pitch - 1, -1)
-    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], [title(grid, scene) for scene in scenes])
+    ax.set_yticks(
+        [i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))],
+        [title(grid, scene) for scene in scenes],
+    )
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{total_word(grid.results)} (s)")

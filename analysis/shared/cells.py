@@ -1,11 +1,12 @@
-"""Cells of tables: all rows of one solver (by its label) on one scene; a randomized solver has one row per seed.
+"""Cells of tables: all rows of one solver (by its label) on one scene; a randomized solver has one
+row per seed.
 
-Solving is measured in CPU time (with child processes) if one thread works at a time, else in wall time; `clock` in the
-result file says which. Preparation is wall time. It is added to the first answer of the same process, so a solver gains
-nothing by building structures while it solves.
+Solving is measured in CPU time (with child processes) if one thread works at a time, else in wall
+time; `clock` in the result file says which. Preparation is wall time. It is added to the first
+answer of the same process, so a solver gains nothing by building structures while it solves.
 
-Intervals are over rounds (fresh processes). With several seeds they are over seeds, each by the median of its rounds,
-because rounds alone would not show how much seeds vary.
+Intervals are over rounds (fresh processes). With several seeds they are over seeds, each by the
+median of its rounds, because rounds alone would not show how much seeds vary.
 """
 
 from __future__ import annotations
@@ -20,7 +21,14 @@ import numpy as np
 from analysis.shared import numerals, style
 from analysis.shared.comparable import apart, origins
 from analysis.shared.results import ResultError, Results
-from analysis.shared.estimates import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
+from analysis.shared.estimates import (
+    NO_DATA,
+    Estimate,
+    median,
+    ratio_by_round,
+    ratio_of_counts,
+    ratio_of_medians,
+)
 from analysis.shared.verdicts import Verdict, everywhere
 
 DISTANCES: Final = ("point_distances", "point_triangle_distances")
@@ -38,60 +46,101 @@ class Cell:
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
         cases, first = results.cases, rows[0]
-        asked = {(json.dumps({k: v for k, v in results.options(r).items() if k != "seed"}, sort_keys=True),
-                  cases.pose_index[r], cases.tolerance[r], cases.source[r], cases.target[r]) for r in rows}
+        asked = {
+            (
+                json.dumps(
+                    {k: v for k, v in results.options(r).items() if k != "seed"}, sort_keys=True
+                ),
+                cases.pose_index[r],
+                cases.tolerance[r],
+                cases.source[r],
+                cases.target[r],
+            )
+            for r in rows
+        }
         if len(asked) > 1:
-            raise ResultError(f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
-                              "more than their seed: give each variant a label of its own in the experiment")
+            raise ResultError(
+                f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
+                "more than their seed: give each variant a label of its own in the experiment"
+            )
         self.results, self.cases, self.rows = results, rows, len(rows)
         self.seeded = takes_seed(results, first)
         self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
-        # No median if a seed failed: the seeds that fail, for example by a timeout, would have been the slow ones.
+        # No median if a seed failed: the seeds that fail, for example by a timeout, would have been
+        # the slow ones.
         ok = not self.failures
         self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
         self.time: Estimate = median(list(self.times.values()))
-        self.wall = median(list(self._by_unit([results.total_by_round(r, "wall") for r in rows]).values())) if ok else NO_DATA
-        self.prepare = float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
+        self.wall = (
+            median(list(self._by_unit([results.total_by_round(r, "wall") for r in rows]).values()))
+            if ok
+            else NO_DATA
+        )
+        self.prepare = (
+            float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
+        )
         self.interval = results.reference_of(first)
-        self.counters = {name: int(np.median(column[rows])) for name, column in cases.counters.items()} if ok else {}
-        self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
+        self.counters = (
+            {name: int(np.median(column[rows])) for name, column in cases.counters.items()}
+            if ok
+            else {}
+        )
+        self.peak = (
+            float(np.median(cases.peak_bytes[rows]))
+            if ok and (cases.peak_bytes[rows] >= 0).all()
+            else np.nan
+        )
 
     def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
-        """Returns the times by round if there is a single row, else the median of each row by seed."""
+        """Returns the times by round if there is a single row, else the median of each row by
+        seed."""
         if len(runs) == 1:
             return runs[0]
-        return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
+        return {
+            seed: float(np.median(list(run.values())))
+            for seed, run in zip(self._seeds(), runs)
+            if run
+        }
 
     def _seeds(self) -> list[int]:
         return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
 
     def share_preparation(self, other: Cell) -> None:
-        """Sets both preparation times to the shorter one, round by round: both solvers build the same structure."""
+        """Sets both preparation times to the shorter one, round by round: both solvers build the
+        same structure."""
         before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
         for cell in (self, other):
             solve = self.results.first_by_round(cell.cases[0])
             usual = min(self.prepare, other.prepare)
-            cell.times = {number: seconds + min((found[number] for found in before if number in found), default=usual)
-                          for number, seconds in solve.items()}
+            cell.times = {
+                number: seconds
+                + min((found[number] for found in before if number in found), default=usual)
+                for number, seconds in solve.items()
+            }
             cell.time = median(list(cell.times.values()))
         self.prepare = other.prepare = min(self.prepare, other.prepare)
 
     def counted(self, names: Sequence[str]) -> dict[int, float]:
-        """Returns the sum of these counters by seed; a solver without seeds has one entry. Empty if a row failed or none exists."""
+        """Returns the sum of these counters by seed; a solver without seeds has one entry. Empty if
+        a row failed or none exists."""
         counters = self.results.cases.counters
         if self.failures or not any(name in counters for name in names):
             return {}
-        return {seed: float(sum(int(counters[name][row]) for name in names if name in counters))
-                for seed, row in zip(self._seeds(), self.cases)}
+        return {
+            seed: float(sum(int(counters[name][row]) for name in names if name in counters))
+            for seed, row in zip(self._seeds(), self.cases)
+        }
 
     def count(self, names: Sequence[str]) -> float:
-        """Returns the sum of these counters, as the median over seeds; NaN if nothing is counted."""
+        """Returns the sum of these counters, as the median over seeds; NaN if nothing is
+        counted."""
         found = list(self.counted(names).values())
         return float(np.median(found)) if found and min(found) > 0 else np.nan
 
     def cost(self, what: str = "") -> float:
-        """Returns the median time in seconds, or the count MEASURES[what] if `what` is given; NaN if there is none."""
+        """Returns the median time in seconds, or the count MEASURES[what] if `what` is given; NaN
+        if there is none."""
         return self.count(MEASURES[what]) if what else self.time.value
 
     def text(self, scale: float) -> str:
@@ -103,13 +152,17 @@ class Cell:
         return word if count == self.rows else f"{word} ({count} of {self.rows})"
 
     def status(self) -> str:
-        return ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items()) or "ok"
+        return (
+            ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items())
+            or "ok"
+        )
 
 
 def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
     """Returns (time of `slow` / time of `fast`) / by; no data if the times are not comparable.
 
-    Times are paired by round, or by seed if both cells have several seeds. If neither is possible, medians are divided.
+    Times are paired by round, or by seed if both cells have several seeds. If neither is possible,
+    medians are divided.
     """
     if slow.failures or fast.failures:
         return NO_DATA
@@ -122,12 +175,14 @@ def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
 
 
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
-    """Returns the ratio of counted work. It is exact if neither solver is randomized; a single seed gives no interval."""
+    """Returns the ratio of counted work. It is exact if neither solver is randomized; a single seed
+    gives no interval."""
     return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
 
 
 def in_time_and_work(judge: Callable[[str], Verdict], counted: Iterable[str] = MEASURES) -> Verdict:
-    """Returns the verdict on times, `judge("")`, together with the verdicts on each kind of counted work."""
+    """Returns the verdict on times, `judge("")`, together with the verdicts on each kind of counted
+    work."""
     return judge("").with_counts({what: judge(what) for what in counted})
 
 
@@ -139,21 +194,31 @@ def count_text(cell: Cell | None, names: Sequence[str]) -> str:
 class Grid:
     """A table of cells: scenes as rows, solvers (by label) as columns."""
 
-    def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = (), **equal: object) -> None:
-        """`labels` are the columns, as (solver, label) pairs; default: all pairs, in the order of style.LOOKS.
+    def __init__(
+        self, results: Results, labels: Sequence[tuple[str, str]] = (), **equal: object
+    ) -> None:
+        """`labels` are the columns, as (solver, label) pairs; default: all pairs, in the order of
+        style.LOOKS.
 
         `equal`: columns and their value in the rows that count (default: all rows).
         """
         self.results, self.scenes = results, results.scenes
-        self.labels = list(labels) or style.order((results.cases.solver[row], results.cases.label[row]) for row in results.rows(**equal))
-        self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
-                      if (rows := results.rows(scene=scene, label=label, **equal))}
+        self.labels = list(labels) or style.order(
+            (results.cases.solver[row], results.cases.label[row]) for row in results.rows(**equal)
+        )
+        self.cells = {
+            (scene, label): Cell(results, rows)
+            for scene in self.scenes
+            for _, label in self.labels
+            if (rows := results.rows(scene=scene, label=label, **equal))
+        }
 
     def first(self, scene: str) -> int:
         return self.results.rows(scene=scene)[0]
 
     def row(self, scene: str) -> list[Cell | None]:
-        """Returns the cells of a scene, one per column; None for a solver that was not run on it."""
+        """Returns the cells of a scene, one per column; None for a solver that was not run on
+        it."""
         return [self.cells.get((scene, label)) for _, label in self.labels]
 
     def texts(self, scene: str, scale: float) -> list[str]:
@@ -163,13 +228,19 @@ class Grid:
         return [style.title(*pair) for pair in self.labels]
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns slow / fast as a ratio of times, or of counts MEASURES[what]; NO_DATA if one of the two was not run."""
+        """Returns slow / fast as a ratio of times, or of counts MEASURES[what]; NO_DATA if one of
+        the two was not run."""
         above, below = self.cells.get((scene, slow)), self.cells.get((scene, fast))
         if above is None or below is None:
             return NO_DATA
         return compare_work(above, below, MEASURES[what]) if what else compare(above, below)
 
-    def less(self, claim: str, slow: str, fast: str, scenes: Sequence[str] | None = None) -> Verdict:
-        """Judges the claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
+    def less(
+        self, claim: str, slow: str, fast: str, scenes: Sequence[str] | None = None
+    ) -> Verdict:
+        """Judges the claim that `fast` takes less than `slow` on all of these scenes, in time and
+        in counted work."""
         among = self.scenes if scenes is None else scenes
-        return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among]))
+        return in_time_and_work(
+            lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among])
+        )

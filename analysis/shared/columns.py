@@ -1,4 +1,5 @@
-"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
+"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m
+analysis.schema`: do not edit."""
 
 from __future__ import annotations
 
@@ -272,7 +273,14 @@ DEFAULTS: dict[str, Any] = {
     "models/sha256": "",
     "models/kind": "",
     "models/polynomial": "",
-    "models/box": [float("nan"), float("nan"), float("nan"), float("nan"), float("nan"), float("nan")],
+    "models/box": [
+        float("nan"),
+        float("nan"),
+        float("nan"),
+        float("nan"),
+        float("nan"),
+        float("nan"),
+    ],
     "models/elements": 0,
     "models/vertices": 0,
     "models/diagonal": 0.0,

@@ -1,4 +1,5 @@
-"""Decides which times are comparable: rows that ran one at a time, on one machine, with one build and one clock."""
+"""Decides which times are comparable: rows that ran one at a time, on one machine, with one build
+and one clock."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from analysis.shared.estimates import Estimate, no_data
 
 
 class Origin(NamedTuple):
-    """The properties of a row that decide whether its times are comparable with another row's times."""
+    """The properties of a row that decide whether its times are comparable with another row's
+    times."""
 
     beside: bool  # --jobs or a cluster may have run other cases at the same time
     machine: str
@@ -19,10 +21,15 @@ class Origin(NamedTuple):
 
 
 def origin(results: Results, row: int, clock: str = "") -> Origin:
-    """Returns the origin of a row. `clock` replaces the row's clock if the caller uses times of another clock."""
+    """Returns the origin of a row. `clock` replaces the row's clock if the caller uses times of
+    another clock."""
     cases = results.cases
-    return Origin(bool(cases.side_by_side[row]), str(cases.machine[row]), str(results.programs[row]),
-                  clock or (results.clock_of(row) if results.first_by_round(row) else ""))
+    return Origin(
+        bool(cases.side_by_side[row]),
+        str(cases.machine[row]),
+        str(results.programs[row]),
+        clock or (results.clock_of(row) if results.first_by_round(row) else ""),
+    )
 
 
 def origins(results: Results, rows: Iterable[int]) -> frozenset[Origin]:
@@ -33,13 +40,21 @@ def reason_apart(found: Iterable[Origin]) -> str:
     """Returns why the times of these rows are not comparable; empty if they are."""
     known = set(found)
     clocks = {one.clock for one in known} - {""}
-    return ("run beside others" if any(one.beside for one in known) else
-            "of different machines" if len({one.machine for one in known}) > 1 else
-            "of different builds" if len({one.build for one in known}) > 1 else
-            "by different clocks" if len(clocks) > 1 else "")
+    return (
+        "run beside others"
+        if any(one.beside for one in known)
+        else "of different machines"
+        if len({one.machine for one in known}) > 1
+        else "of different builds"
+        if len({one.build for one in known}) > 1
+        else "by different clocks"
+        if len(clocks) > 1
+        else ""
+    )
 
 
 def apart(found: Iterable[Origin]) -> Estimate | None:
-    """Returns None if the times are comparable, else an estimate without data but with the reason, to use as their ratio."""
+    """Returns None if the times are comparable, else an estimate without data but with the reason,
+    to use as their ratio."""
     why = reason_apart(found)
     return no_data(f"times {why}") if why else None

@@ -1,9 +1,10 @@
 """Medians and ratios with intervals that assume nothing about the distribution of times.
 
-Repeats inside one process are not independent, so `by_round` first reduces each round (a fresh process) to one number.
-Intervals run between order statistics, so their coverage follows from the binomial distribution (David and Nagaraja,
-Order Statistics, section 7.1). It takes six rounds for 95 %. With fewer, the interval is the whole range, `coverage`
-says how likely it is to hold, and nothing counts as separated.
+Repeats inside one process are not independent, so `by_round` first reduces each round (a fresh
+process) to one number. Intervals run between order statistics, so their coverage follows from the
+binomial distribution (David and Nagaraja, Order Statistics, section 7.1). It takes six rounds for
+95 %. With fewer, the interval is the whole range, `coverage` says how likely it is to hold, and
+nothing counts as separated.
 """
 
 from __future__ import annotations
@@ -23,11 +24,13 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A median or a ratio, with an interval that covers the true value with probability `coverage` or more.
+    """A median or a ratio, with an interval that covers the true value with probability `coverage`
+    or more.
 
-    n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage is 0.
-    p_above and p_below apply to ratios only: one-sided p-values against "the true ratio is at most 1" and "at least 1".
-    p_least is the smallest p-value that this number of rounds can give, whatever the data.
+    n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage
+    is 0. p_above and p_below apply to ratios only: one-sided p-values against "the true ratio is at
+    most 1" and "at least 1". p_least is the smallest p-value that this number of rounds can give,
+    whatever the data.
     """
 
     value: float
@@ -47,7 +50,9 @@ class Estimate:
     @property
     def separated(self) -> bool:
         """True if the interval of a ratio excludes 1 and its coverage is at least 95 %."""
-        return self.has_interval and self.coverage >= CONFIDENCE and not self.low <= 1.0 <= self.high
+        return (
+            self.has_interval and self.coverage >= CONFIDENCE and not self.low <= 1.0 <= self.high
+        )
 
 
 NO_DATA = Estimate(math.nan, math.nan, math.nan, 0, 0.0)
@@ -66,23 +71,28 @@ def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]
 
 
 def order_statistic_rank(n: int, confidence: float) -> int:
-    """Returns the largest k for which [x_(k), x_(n+1-k)] covers the median with `confidence`; 0 if none does.
+    """Returns the largest k for which [x_(k), x_(n+1-k)] covers the median with `confidence`; 0 if
+    none does.
 
     x_(k) is the k-th smallest of n values, counted from 1.
     """
-    below = scipy.stats.binom.cdf(np.arange((n + 1) // 2), n, 0.5)  # P(Binomial(n, 1/2) <= 0, 1, ...)
+    below = scipy.stats.binom.cdf(
+        np.arange((n + 1) // 2), n, 0.5
+    )  # P(Binomial(n, 1/2) <= 0, 1, ...)
     return int(np.searchsorted(2 * below, 1 - confidence, side="right"))
 
 
 def coverage_of_rank(n: int, k: int) -> float:
-    """Returns the probability that the interval from the k-th smallest to the k-th largest of n values covers the median."""
+    """Returns the probability that the interval from the k-th smallest to the k-th largest of n
+    values covers the median."""
     return float(1 - 2 * scipy.stats.binom.cdf(k - 1, n, 0.5))
 
 
 def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
     """Returns the sample median and its order-statistic interval.
 
-    The values must be independent: one per round, or one per seed that has processes of its own. Raises ValueError for NaN.
+    The values must be independent: one per round, or one per seed that has processes of its own.
+    Raises ValueError for NaN.
     """
     x = np.sort(np.asarray(values, dtype=np.float64).ravel())
     n = len(x)
@@ -97,11 +107,14 @@ def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
     return Estimate(middle, float(x[k - 1]), float(x[n - k]), n, coverage_of_rank(n, k))
 
 
-def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+def ratio_of_medians(
+    numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE
+) -> Estimate:
     """Returns median(numerator) / median(denominator) of positive times that cannot be paired.
 
-    Each median gets an interval with half the error, and dividing their ends gives the interval of the ratio (Bonferroni).
-    This is conservative and involves no resampling. An interval of 95 % needs seven values on each side.
+    Each median gets an interval with half the error, and dividing their ends gives the interval of
+    the ratio (Bonferroni). This is conservative and involves no resampling. An interval of 95 %
+    needs seven values on each side.
     """
     half = 1 - (1 - confidence) / 2
     a, b = median(numerator, half), median(denominator, half)
@@ -110,13 +123,24 @@ def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confi
     if not a.has_interval or not b.has_interval or b.low <= 0:
         return Estimate(a.value / b.value, math.nan, math.nan, min(a.n, b.n), 0.0)
     n = min(a.n, b.n)
-    return Estimate(a.value / b.value, a.low / b.high, a.high / b.low, n, max(0.0, a.coverage + b.coverage - 1),
-                    _chance(numerator, denominator), _chance(denominator, numerator), min(1.0, 2 * 0.5**n))
+    return Estimate(
+        a.value / b.value,
+        a.low / b.high,
+        a.high / b.low,
+        n,
+        max(0.0, a.coverage + b.coverage - 1),
+        _chance(numerator, denominator),
+        _chance(denominator, numerator),
+        min(1.0, 2 * 0.5**n),
+    )
 
 
 def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
-    """Returns the one-sided p-value of median(greater) <= median(less): the least error at which their intervals are disjoint."""
-    a, b = np.sort(np.asarray(greater, dtype=np.float64)), np.sort(np.asarray(less, dtype=np.float64))
+    """Returns the one-sided p-value of median(greater) <= median(less): the least error at which
+    their intervals are disjoint."""
+    a, b = np.sort(np.asarray(greater, dtype=np.float64)), np.sort(
+        np.asarray(less, dtype=np.float64)
+    )
     tails = [scipy.stats.binom.cdf(np.arange((len(x) + 1) // 2), len(x), 0.5) for x in (a, b)]
     for tail in np.unique(np.concatenate(tails)):
         k, m = (int(np.searchsorted(known, tail, side="right")) for known in tails)
@@ -125,15 +149,22 @@ def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
     return 1.0
 
 
-def ratio_by_round(numerator: Mapping[int, float], denominator: Mapping[int, float],
-                   confidence: float = CONFIDENCE) -> Estimate:
-    """Returns the paired_ratio() of the times in the rounds (or seeds) that both have; NO_DATA if there are none."""
+def ratio_by_round(
+    numerator: Mapping[int, float], denominator: Mapping[int, float], confidence: float = CONFIDENCE
+) -> Estimate:
+    """Returns the paired_ratio() of the times in the rounds (or seeds) that both have; NO_DATA if
+    there are none."""
     shared = sorted(numerator.keys() & denominator.keys())
-    return paired_ratio([numerator[i] for i in shared], [denominator[i] for i in shared], confidence)
+    return paired_ratio(
+        [numerator[i] for i in shared], [denominator[i] for i in shared], confidence
+    )
 
 
-def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """Returns the median of the ratios of paired times, taken in alternation, with its sign-test interval."""
+def paired_ratio(
+    numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE
+) -> Estimate:
+    """Returns the median of the ratios of paired times, taken in alternation, with its sign-test
+    interval."""
     a, b = np.asarray(numerator, dtype=np.float64), np.asarray(denominator, dtype=np.float64)
     if a.shape != b.shape:
         raise ValueError(f"{len(a)} times cannot be paired with {len(b)}")
@@ -143,10 +174,20 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
     if logs.n == 0:
         return NO_DATA
     # A tie counts for neither direction, which makes both p-values conservative.
-    p_above, p_below = (float(scipy.stats.binomtest(int(count), logs.n, alternative="greater").pvalue)
-                        for count in ((a > b).sum(), (a < b).sum()))
-    return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below,
-                    0.5**logs.n)
+    p_above, p_below = (
+        float(scipy.stats.binomtest(int(count), logs.n, alternative="greater").pvalue)
+        for count in ((a > b).sum(), (a < b).sum())
+    )
+    return Estimate(
+        math.exp(logs.value),
+        math.exp(logs.low),
+        math.exp(logs.high),
+        logs.n,
+        logs.coverage,
+        p_above,
+        p_below,
+        0.5**logs.n,
+    )
 
 
 def student_half_width(values: Floats) -> float:
@@ -154,28 +195,45 @@ def student_half_width(values: Floats) -> float:
 
     Its coverage is near 95 % unless a few values dominate the sum.
     """
-    return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
+    return float(
+        scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1)
+        * np.std(values, ddof=1)
+        / math.sqrt(len(values))
+    )
 
 
 def exact(ratio: float) -> Estimate:
     """Returns a ratio that is known without error, such as a ratio of deterministic counts."""
     if math.isnan(ratio):
         return NO_DATA
-    return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0, 0.0)
+    return Estimate(
+        ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0, 0.0
+    )
 
 
 def one_draw(ratio: float) -> Estimate:
-    """Returns a ratio without an interval: the counts of a randomized solver that ran with a single seed."""
+    """Returns a ratio without an interval: the counts of a randomized solver that ran with a single
+    seed."""
     return NO_DATA if math.isnan(ratio) else Estimate(ratio, math.nan, math.nan, 1, 0.0)
 
 
-def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float],
-                    seeded: tuple[bool, bool] = (False, False)) -> Estimate:
-    """Returns the ratio of counts, which are given by seed. `seeded` says which of the two solvers are randomized.
+def ratio_of_counts(
+    numerator: Mapping[int, float],
+    denominator: Mapping[int, float],
+    seeded: tuple[bool, bool] = (False, False),
+) -> Estimate:
+    """Returns the ratio of counts, which are given by seed. `seeded` says which of the two solvers
+    are randomized.
 
-    The ratio is exact if neither is. Counts of the same seed are paired. With a single seed it has no interval.
+    The ratio is exact if neither is. Counts of the same seed are paired. With a single seed it has
+    no interval.
     """
-    if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
+    if (
+        not numerator
+        or not denominator
+        or min(denominator.values()) <= 0
+        or min(numerator.values()) <= 0
+    ):
         return NO_DATA  # an external program counts nothing
     if not any(seeded):
         return exact(next(iter(numerator.values())) / next(iter(denominator.values())))
@@ -186,14 +244,18 @@ def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, fl
     if not (shared := sorted(numerator.keys() & denominator.keys())):
         return NO_DATA
     ratios = {seed: numerator[seed] / denominator[seed] for seed in shared}
-    return one_draw(ratios[shared[0]]) if len(shared) == 1 else ratio_by_round(numerator, denominator)
+    return (
+        one_draw(ratios[shared[0]]) if len(shared) == 1 else ratio_by_round(numerator, denominator)
+    )
 
 
 def simes(chances: Iterable[float]) -> float:
-    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n * p_(k) / k.
+    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n
+    * p_(k) / k.
 
-    p_(k) is the k-th smallest of n p-values. The result is exact for independent p-values and conservative for positively
-    dependent ones (Sarkar 1998). Ratios of different scenes are independent, as they come from different processes.
+    p_(k) is the k-th smallest of n p-values. The result is exact for independent p-values and
+    conservative for positively dependent ones (Sarkar 1998). Ratios of different scenes are
+    independent, as they come from different processes.
     """
     p = np.sort(np.fromiter(chances, dtype=np.float64))
     return float(min(1.0, (len(p) * p / np.arange(1, len(p) + 1)).min())) if len(p) else 1.0

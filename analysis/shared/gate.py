@@ -1,8 +1,9 @@
 """Decides which HDF5 files may be opened, and which tables and figures beside them.
 
-A file can make the HDF5 library read other files, wait at a pipe, take all memory or crash. So the program, which guards against
-all of these, looks at a file first (`hausbench vet`); no other code of analysis/ opens a file that problem_of() refuses. Files in
-results/reference need no program: their SHA-256 is in the list SUMS, which `make reference-sums` writes.
+A file can make the HDF5 library read other files, wait at a pipe, take all memory or crash. So the
+program, which guards against all of these, looks at a file first (`hausbench vet`); no other code
+of analysis/ opens a file that problem_of() refuses. Files in results/reference need no program:
+their SHA-256 is in the list SUMS, which `make reference-sums` writes.
 
 Assumes that nobody changes a file while it is being read.
 """
@@ -32,7 +33,8 @@ _known: dict[State, str] = {}  # the answers of problem_of()
 
 
 def program() -> str:
-    """Returns the path of the program: HAUSBENCH_PROGRAM if it is set, or the one of this checkout or installation, or the one on PATH."""
+    """Returns the path of the program: HAUSBENCH_PROGRAM if it is set, or the one of this checkout
+    or installation, or the one on PATH."""
     if named := os.environ.get("HAUSBENCH_PROGRAM"):
         return named
     for path in (ROOT / "build" / "release" / "hausbench", ROOT.parents[1] / "bin" / "hausbench"):
@@ -40,8 +42,10 @@ def program() -> str:
             return str(path)
     if found := shutil.which("hausbench"):
         return found
-    raise ResultError("HDF5 files are opened only after the program 'hausbench' has checked them, and it was not found: build it with 'make build', or "
-                      "name it with HAUSBENCH_PROGRAM")
+    raise ResultError(
+        "HDF5 files are opened only after the program 'hausbench' has checked them, and it was not found: build it with 'make build', or "
+        "name it with HAUSBENCH_PROGRAM"
+    )
 
 
 def ask(verb: str, paths: Sequence[Path]) -> list[str]:
@@ -50,27 +54,34 @@ def ask(verb: str, paths: Sequence[Path]) -> list[str]:
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     except OSError as problem:
-        raise ResultError(f"{command[0]}: cannot be run: {problem.strerror}: build it with 'make build'") from None
+        raise ResultError(
+            f"{command[0]}: cannot be run: {problem.strerror}: build it with 'make build'"
+        ) from None
     lines = done.stdout.split("\n")[:-1]
     if done.returncode != 0 or len(lines) != len(paths):
-        raise ResultError(f"{command[0]}: '{verb}' failed: {done.stderr.strip() or 'it is another version'}: build it with 'make build'")
+        raise ResultError(
+            f"{command[0]}: '{verb}' failed: {done.stderr.strip() or 'it is another version'}: build it with 'make build'"
+        )
     return lines
 
 
 def vet(paths: Iterable[Path]) -> None:
     """Checks many files with one call of the program, so that problem_of() answers at once."""
-    new = {state: path for path in paths if path.is_file() and (state := _state(path)) not in _known}
+    new = {
+        state: path for path in paths if path.is_file() and (state := _state(path)) not in _known
+    }
     kept = {state: path for state, path in new.items() if path.resolve().is_relative_to(REFERENCE)}
     for state, path in kept.items():
         _known[state] = _problem_of_kept(path.resolve())
     others = [(state, path) for state, path in new.items() if state not in kept]
     for start in range(0, len(others), 500):
-        part = others[start:start + 500]
+        part = others[start : start + 500]
         _known.update(zip((state for state, _ in part), ask("vet", [path for _, path in part])))
 
 
 def problem_of(path: Path) -> str:
-    """Returns why a file must not be opened with h5py, on one line; an empty string if it may. A changed file is checked again."""
+    """Returns why a file must not be opened with h5py, on one line; an empty string if it may. A
+    changed file is checked again."""
     if not path.is_file():
         return "is not a regular file" if path.exists() else "does not exist"
     vet([path])
@@ -78,13 +89,20 @@ def problem_of(path: Path) -> str:
 
 
 def is_plain(path: Path) -> bool:
-    """Returns whether a table or figure beside results is there and may be read. Names one that is a link, no regular file, or larger
-    than MOST_BYTES on standard error.
+    """Returns whether a table or figure beside results is there and may be read. Names one that is
+    a link, no regular file, or larger than MOST_BYTES on standard error.
     """
     if not path.exists() and not path.is_symlink():
         return False
-    why = ("is a link" if path.is_symlink() else "is not a regular file" if not path.is_file()
-           else f"has more than {MOST_BYTES // 1_000_000} MB" if path.stat().st_size > MOST_BYTES else "")
+    why = (
+        "is a link"
+        if path.is_symlink()
+        else "is not a regular file"
+        if not path.is_file()
+        else f"has more than {MOST_BYTES // 1_000_000} MB"
+        if path.stat().st_size > MOST_BYTES
+        else ""
+    )
     if why:
         print(f"{printable(str(path))}: {why}, and is left out", file=sys.stderr)
     return not why
@@ -100,7 +118,11 @@ def _problem_of_kept(path: Path) -> str:
     name = path.relative_to(REFERENCE).as_posix()
     if name not in sums:
         return f"is not listed in results/reference/{SUMS}, which 'make reference-sums' writes"
-    return "" if sha256(path) == sums[name] else f"has another SHA-256 than results/reference/{SUMS} says"
+    return (
+        ""
+        if sha256(path) == sums[name]
+        else f"has another SHA-256 than results/reference/{SUMS} says"
+    )
 
 
 def read_sums() -> dict[str, str]:

@@ -1,4 +1,5 @@
-"""Reads result files (HDF5). Only this module depends on their layout, which results/README.md describes."""
+"""Reads result files (HDF5). Only this module depends on their layout, which results/README.md
+describes."""
 
 from __future__ import annotations
 
@@ -15,7 +16,18 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.shared import gate, remedy
-from analysis.shared.columns import DEFAULTS, Answers, Cases, Fields, Floats, Ledger, Models, Preparation, Repeats, Trace
+from analysis.shared.columns import (
+    DEFAULTS,
+    Answers,
+    Cases,
+    Fields,
+    Floats,
+    Ledger,
+    Models,
+    Preparation,
+    Repeats,
+    Trace,
+)
 from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
 
@@ -30,27 +42,46 @@ Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace
 def _column(group: Any, name: str, kind: str) -> npt.NDArray[Any]:
     data = group[name]
     text = h5py.check_string_dtype(data.dtype) is not None
-    if text != (kind == "Texts") or not (text or data.dtype.kind in ("f" if kind == "Floats" else "iu")):
+    if text != (kind == "Texts") or not (
+        text or data.dtype.kind in ("f" if kind == "Floats" else "iu")
+    ):
         raise KeyError(f"{data.name} of type {kind}")
     if kind == "Texts":
         return np.asarray(data.asstr(errors="replace")[()], dtype=object)
-    return np.asarray(data[()], dtype={"Floats": np.float64, "Ints": np.int64, "Counters": np.uint64}[kind])
+    return np.asarray(
+        data[()], dtype={"Floats": np.float64, "Ints": np.int64, "Counters": np.uint64}[kind]
+    )
 
 
-NEEDED = ("cases/identity", "cases/solver", "cases/scene", "cases/status", "cases/lower", "cases/upper", "cases/tolerance",
-          "models/name", "models/sha256", "ledger/kind", "trace/seconds")
+NEEDED = (
+    "cases/identity",
+    "cases/solver",
+    "cases/scene",
+    "cases/status",
+    "cases/lower",
+    "cases/upper",
+    "cases/tolerance",
+    "models/name",
+    "models/sha256",
+    "ledger/kind",
+    "trace/seconds",
+)
 
 
 def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
-    """Reads one group. Unknown columns are ignored; a column that the file lacks gets its default."""
+    """Reads one group. Unknown columns are ignored; a column that the file lacks gets its
+    default."""
     group, values = file.get(name, {}), dict[str, Any]()
     for path in NEEDED:
         if path.startswith(f"{name}/") and path not in file:
             raise KeyError(path)
     for field in dataclasses.fields(kind):
         if field.type == "Counters":
-            values[field.name] = {key.removeprefix("counter_"): _column(group, key, "Counters")
-                                  for key in group if key.startswith("counter_")}
+            values[field.name] = {
+                key.removeprefix("counter_"): _column(group, key, "Counters")
+                for key in group
+                if key.startswith("counter_")
+            }
         elif field.name in group:
             values[field.name] = _column(group, field.name, str(field.type))
             if values[field.name].shape[1:] != np.shape(DEFAULTS[f"{name}/{field.name}"]):
@@ -67,7 +98,9 @@ def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
 
 
 def _values(file: Any) -> Floats:
-    return np.asarray(_column(file["fields"], "values", "Floats")) if "fields" in file else np.empty(0)
+    return (
+        np.asarray(_column(file["fields"], "values", "Floats")) if "fields" in file else np.empty(0)
+    )
 
 
 def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
@@ -83,7 +116,11 @@ def _begins_as_hdf5(path: Path) -> bool:
 def _attribute(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.decode()
-    return value.item() if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1 else value
+    return (
+        value.item()
+        if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1
+        else value
+    )
 
 
 def _of_profile(results: Results, profile: str) -> Results:
@@ -96,7 +133,11 @@ def _of_profile(results: Results, profile: str) -> Results:
     number[keep] = np.arange(len(keep))
 
     def rows(group: Any, kept: Any) -> Any:
-        columns = {field.name: getattr(group, field.name)[kept] for field in dataclasses.fields(group) if field.name != "counters"}
+        columns = {
+            field.name: getattr(group, field.name)[kept]
+            for field in dataclasses.fields(group)
+            if field.name != "counters"
+        }
         if hasattr(group, "counters"):
             columns["counters"] = {name: counts[kept] for name, counts in group.counters.items()}
         return type(group)(**columns)
@@ -106,20 +147,31 @@ def _of_profile(results: Results, profile: str) -> Results:
         return dataclasses.replace(left, case=number[left.case])
 
     ledger = results.ledger
-    return dataclasses.replace(results, cases=rows(results.cases, keep), answers=details(results.answers), repeats=details(results.repeats),
-                               preparation=details(results.preparation), fields=details(results.fields),
-                               ledger=rows(ledger, [not of or of == profile for of in ledger.profile]))
+    return dataclasses.replace(
+        results,
+        cases=rows(results.cases, keep),
+        answers=details(results.answers),
+        repeats=details(results.repeats),
+        preparation=details(results.preparation),
+        fields=details(results.fields),
+        ledger=rows(ledger, [not of or of == profile for of in ledger.profile]),
+    )
 
 
 def _by_statistic(cases: Cases) -> Cases:
-    """Adds the statistic to the name of its scene, as in "bunny → half, mean", so that each is compared and drawn alone."""
-    named = [f"{scene}, {statistic}{' by number' if weigh == 'number' else ''}" if statistic else scene
-             for scene, statistic, weigh in zip(cases.scene, cases.statistic, cases.weigh)]
+    """Adds the statistic to the name of its scene, as in "bunny → half, mean", so that each is
+    compared and drawn alone."""
+    named = [
+        f"{scene}, {statistic}{' by number' if weigh == 'number' else ''}" if statistic else scene
+        for scene, statistic, weigh in zip(cases.scene, cases.statistic, cases.weigh)
+    ]
     return dataclasses.replace(cases, scene=np.array(named, dtype=object))
 
 
 def _expect_places(results: Results) -> None:
-    """Raises ValueError if a row refers to a case, a sample or a value that the file does not have."""
+    """Raises ValueError if a row refers to a case, a sample or a value that the file does not
+    have."""
+
     def expect(good: Any, what: str) -> None:
         if not np.all(good):
             raise ValueError(f"{what} that the file does not have")
@@ -128,22 +180,41 @@ def _expect_places(results: Results) -> None:
     for name in ("answers", "repeats", "preparation", "fields"):
         case = getattr(results, name).case
         expect((case >= 0) & (case < count), f"/{name} has a case")
-    expect((cases.trace_begin >= cases.trace_end) | ((cases.trace_begin >= 0) & (cases.trace_end <= len(results.trace.seconds))), "/cases has a trace")
-    expect((fields.begin >= 0) & (fields.begin <= fields.end) & (fields.end <= len(results.field_values)), "/fields has values")
+    expect(
+        (cases.trace_begin >= cases.trace_end)
+        | ((cases.trace_begin >= 0) & (cases.trace_end <= len(results.trace.seconds))),
+        "/cases has a trace",
+    )
+    expect(
+        (fields.begin >= 0)
+        & (fields.begin <= fields.end)
+        & (fields.end <= len(results.field_values)),
+        "/fields has values",
+    )
 
 
 def _expect_json(results: Results) -> None:
-    """Raises ValueError unless each JSON text is an object; plug-ins must be a list, and extras an object of numbers."""
+    """Raises ValueError unless each JSON text is an object; plug-ins must be a list, and extras an
+    object of numbers."""
     cases = results.cases
-    kinds: dict[str, tuple[type[Any], Iterable[str]]] = {"/cases/options": (dict, cases.options), "/cases/extras": (dict, cases.extras),
-                                                         "/cases/facts": (dict, cases.facts)}
-    kinds |= {f"/meta@{name}": (dict, [str(results.meta.get(name, ""))]) for name in ("libraries", "titles")}
+    kinds: dict[str, tuple[type[Any], Iterable[str]]] = {
+        "/cases/options": (dict, cases.options),
+        "/cases/extras": (dict, cases.extras),
+        "/cases/facts": (dict, cases.facts),
+    }
+    kinds |= {
+        f"/meta@{name}": (dict, [str(results.meta.get(name, ""))])
+        for name in ("libraries", "titles")
+    }
     kinds["/meta@plugins"] = list, [str(results.meta.get("plugins", ""))]
     for name, (kind, texts) in kinds.items():
         for text in dict.fromkeys(texts):
             try:
                 read = json.loads(text or ("[]" if kind is list else "{}"))
-                good = isinstance(read, kind) and (name != "/cases/extras" or bool(np.array(list(read.values()), dtype=np.float64).ndim))
+                good = isinstance(read, kind) and (
+                    name != "/cases/extras"
+                    or bool(np.array(list(read.values()), dtype=np.float64).ndim)
+                )
             except (RecursionError, TypeError, ValueError):
                 good = False
             if not good:
@@ -151,7 +222,8 @@ def _expect_json(results: Results) -> None:
 
 
 def load_all(paths: Iterable[Path]) -> list[Results]:
-    """Loads results, which the program checks with one call. Names those that cannot be loaded on standard error, and leaves them out."""
+    """Loads results, which the program checks with one call. Names those that cannot be loaded on
+    standard error, and leaves them out."""
     found, paths = list[Results](), list(paths)
     gate.vet(paths)
     for path in paths:
@@ -163,7 +235,8 @@ def load_all(paths: Iterable[Path]) -> list[Results]:
 
 
 def each(results: Iterable[Results], work: Callable[[Results], Made]) -> list[Made]:
-    """Returns what `work` makes of each result. Names a result that it cannot use on standard error, and leaves it out."""
+    """Returns what `work` makes of each result. Names a result that it cannot use on standard
+    error, and leaves it out."""
     made = list[Made]()
     for one in results:
         try:
@@ -174,17 +247,25 @@ def each(results: Iterable[Results], work: Callable[[Results], Made]) -> list[Ma
 
 
 def left_out(results: Results, problem: Exception) -> str:
-    return printable(f"{results.path}: left out: it has values that no run writes ({type(problem).__name__}: {problem}): run its experiment again")
+    return printable(
+        f"{results.path}: left out: it has values that no run writes ({type(problem).__name__}: {problem}): run its experiment again"
+    )
 
 
 def load(path: Path, profile: str = "") -> Results:
-    """Reads a result file and returns its rows of `profile`, by default the profile of the latest run.
+    """Reads a result file and returns its rows of `profile`, by default the profile of the latest
+    run.
 
-    Raises ResultError if the file is missing or damaged, is not a result file, has a newer schema, or must not be opened (gate.py).
+    Raises ResultError if the file is missing or damaged, is not a result file, has a newer schema,
+    or must not be opened (gate.py).
     """
     stem = path.stem.removesuffix(".everything")  # `run --leave-nothing-out` adds the suffix
     if not path.is_file():
-        raise ResultError(f"{path}: is not a regular file: {ANOTHER}" if path.exists() else f"{path}: no such file: measure it with {remedy.measure(stem)}")
+        raise ResultError(
+            f"{path}: is not a regular file: {ANOTHER}"
+            if path.exists()
+            else f"{path}: no such file: measure it with {remedy.measure(stem)}"
+        )
     whole = f"take an intact copy, or move it away and measure again with {remedy.measure(stem)}"
     try:
         if not _begins_as_hdf5(path):
@@ -194,29 +275,51 @@ def load(path: Path, profile: str = "") -> Results:
         with h5py.File(path, "r") as file:
             meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
             if int(meta["schema_version"]) > SCHEMA_VERSION:
-                raise ResultError(f"{path}: schema version {meta['schema_version']} is newer than {SCHEMA_VERSION}, "
-                                  f"the newest that analysis/shared/load.py reads: use the analysis/ of hausbench "
-                                  f"{meta.get('hausbench_version', 'that wrote it')}")
-            results = Results(path, meta, _columns(Models, file, "models"), _columns(Cases, file, "cases"),
-                              _columns(Answers, file, "answers"), _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
-                              _columns(Trace, file, "trace"), _columns(Fields, file, "fields"), _values(file),
-                              _columns(Ledger, file, "ledger"))
+                raise ResultError(
+                    f"{path}: schema version {meta['schema_version']} is newer than {SCHEMA_VERSION}, "
+                    f"the newest that analysis/shared/load.py reads: use the analysis/ of hausbench "
+                    f"{meta.get('hausbench_version', 'that wrote it')}"
+                )
+            results = Results(
+                path,
+                meta,
+                _columns(Models, file, "models"),
+                _columns(Cases, file, "cases"),
+                _columns(Answers, file, "answers"),
+                _columns(Repeats, file, "repeats"),
+                _columns(Preparation, file, "preparation"),
+                _columns(Trace, file, "trace"),
+                _columns(Fields, file, "fields"),
+                _values(file),
+                _columns(Ledger, file, "ledger"),
+            )
         _expect_places(results)
         _expect_json(results)
     except PermissionError as problem:
         raise ResultError(f"{path}: {problem.strerror}") from None
     except OSError:
         raise ResultError(f"{path}: damaged: {whole}") from None
-    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RuntimeError) as error:
+    except (
+        LookupError,
+        TypeError,
+        ValueError,
+        ArithmeticError,
+        AttributeError,
+        RuntimeError,
+    ) as error:
         text = str(error.args[0]) if error.args else ""
         raise ResultError(f"{path}: not a hausbench result file ({text}): {ANOTHER}") from None
     if meta.get("stem") != stem:
-        raise ResultError(f"{path}: has the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")
+        raise ResultError(
+            f"{path}: has the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5"
+        )
     results = _of_profile(results, profile or str(meta.get("profile", "")))
     results = dataclasses.replace(results, cases=_by_statistic(results.cases))
     if len(results.cases) == 0:
-        raise ResultError(f"{path}: has no cases of profile '{meta.get('profile')}': measure them with "
-                          f"{remedy.measure(stem, str(meta.get('experiment_file', '')))}")
+        raise ResultError(
+            f"{path}: has no cases of profile '{meta.get('profile')}': measure them with "
+            f"{remedy.measure(stem, str(meta.get('experiment_file', '')))}"
+        )
     return results
 
 

@@ -1,6 +1,8 @@
-"""Rows that were never run, because a model is missing or the run is not complete, and what follows for claims.
+"""Rows that were never run, because a model is missing or the run is not complete, and what follows
+for claims.
 
-A claim about a set of rows is judged on all of them or not at all, so each claim that such a row belongs to is 'not tested'.
+A claim about a set of rows is judged on all of them or not at all, so each claim that such a row
+belongs to is 'not tested'.
 """
 
 from __future__ import annotations
@@ -16,32 +18,51 @@ from analysis.shared.columns import Ints
 from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
-UNFINISHED: Final = ("not run: ", "in another shard")  # how the reasons of rows begin that this run leaves to later ones: plan.h, shard.h
+UNFINISHED: Final = (
+    "not run: ",
+    "in another shard",
+)  # how the reasons of rows begin that this run leaves to later ones: plan.h, shard.h
 FEW: Final = 3  # at most so many causes are printed
 
 
 def missing_rows(results: Results) -> list[int]:
-    """Returns the rows that were never run for lack of a model or the rest of the run. Rows taken out by without() count.
+    """Returns the rows that were never run for lack of a model or the rest of the run. Rows taken
+    out by without() count.
 
-    Shapes that a solver does not take, and solvers or programs that are not installed, are not missing data: no claim
-    about the other solvers depends on them.
+    Shapes that a solver does not take, and solvers or programs that are not installed, are not
+    missing data: no claim about the other solvers depends on them.
     """
     whole = results.whole or results
     cases, models = whole.cases, set(whole.models.name)
-    return [row for row in whole.rows(status="skipped")
-            if cases.source[row] not in models or cases.target[row] not in models or str(cases.reason[row]).startswith(UNFINISHED)]
+    return [
+        row
+        for row in whole.rows(status="skipped")
+        if cases.source[row] not in models
+        or cases.target[row] not in models
+        or str(cases.reason[row]).startswith(UNFINISHED)
+    ]
 
 
 def sentence(results: Results, rows: Sequence[int]) -> str:
-    """Says how many rows are missing, why, and what to run: '8 of 674 rows are missing: package bunny was not fetched: ...'; empty for no rows."""
+    """Says how many rows are missing, why, and what to run: '8 of 674 rows are missing: package
+    bunny was not fetched: ...'; empty for no rows."""
     if not rows:
         return ""
     cases = (results.whole or results).cases
-    reasons = [str(cases.reason[row]).rsplit("' is missing: ", 1)[-1].partition(": run ") for row in rows]
+    reasons = [
+        str(cases.reason[row]).rsplit("' is missing: ", 1)[-1].partition(": run ") for row in rows
+    ]
     causes = list(dict.fromkeys(cause for cause, _, _ in reasons))
-    shown = ", ".join(causes[:FEW]) + (f" and {len(causes) - FEW} more" if len(causes) > FEW else "")
-    remedies = [f"run {command}" for command in dict.fromkeys(command for _, _, command in reasons if command)]
-    again = remedy.measure(str(results.meta.get("stem") or results.stem), str(results.meta.get("experiment_file", "")))
+    shown = ", ".join(causes[:FEW]) + (
+        f" and {len(causes) - FEW} more" if len(causes) > FEW else ""
+    )
+    remedies = [
+        f"run {command}"
+        for command in dict.fromkeys(command for _, _, command in reasons if command)
+    ]
+    again = remedy.measure(
+        str(results.meta.get("stem") or results.stem), str(results.meta.get("experiment_file", ""))
+    )
     return f"{len(rows):,} of {len(cases):,} rows are missing: {shown}: {', '.join([*remedies, f'then run {again}' if remedies else f'run {again}'])}"
 
 
@@ -51,15 +72,23 @@ def note(results: Results) -> str:
 
 
 def judged(verdicts: Iterable[Verdict], results: Results) -> list[Verdict]:
-    """Returns the verdicts; those on claims that missing rows belong to become 'not tested', with what is missing."""
+    """Returns the verdicts; those on claims that missing rows belong to become 'not tested', with
+    what is missing."""
     missing = missing_rows(results)
-    return [_judged(verdict, results, missing) for verdict in verdicts] if missing else list(verdicts)
+    return (
+        [_judged(verdict, results, missing) for verdict in verdicts] if missing else list(verdicts)
+    )
 
 
 def own(verdict: Verdict, results: Results, rows: Sequence[int]) -> list[int]:
-    """Returns the rows that belong to the claim: if its `place` names a scene, only the rows of this scene."""
-    scenes, place = (results.whole or results).cases.scene, verdict.claim.place if isinstance(verdict.claim, claims.Claim) else ""
-    there = [row for row, scene in enumerate(scenes) if place and str(scene).partition(": ")[0] == place]
+    """Returns the rows that belong to the claim: if its `place` names a scene, only the rows of
+    this scene."""
+    scenes, place = (results.whole or results).cases.scene, verdict.claim.place if isinstance(
+        verdict.claim, claims.Claim
+    ) else ""
+    there = [
+        row for row, scene in enumerate(scenes) if place and str(scene).partition(": ")[0] == place
+    ]
     return [row for row in rows if row in there] if there else list(rows)
 
 
@@ -67,11 +96,14 @@ def _judged(verdict: Verdict, results: Results, missing: Sequence[int]) -> Verdi
     found = own(verdict, results, missing)
     if verdict.outcome == UNTESTED or not found:
         return verdict
-    return replace(verdict, outcome=UNTESTED, evidence=sentence(results, found), counted={}, ratio=None)
+    return replace(
+        verdict, outcome=UNTESTED, evidence=sentence(results, found), counted={}, ratio=None
+    )
 
 
 def without(results: Results) -> Results:
-    """Returns the results without their missing rows, for scripts that draw what there is; `whole` keeps the original."""
+    """Returns the results without their missing rows, for scripts that draw what there is; `whole`
+    keeps the original."""
     missing = missing_rows(results)
     if not missing:
         return results
@@ -80,14 +112,25 @@ def without(results: Results) -> Results:
     number: Ints = np.cumsum(keep) - 1
 
     def columns(group: object, chosen: object) -> dict[str, Any]:
-        return {name: {key: values[chosen] for key, values in column.items()} if isinstance(column, dict) else column[chosen]
-                for name, column in vars(group).items()}
+        return {
+            name: {key: values[chosen] for key, values in column.items()}
+            if isinstance(column, dict)
+            else column[chosen]
+            for name, column in vars(group).items()
+        }
 
     def renumbered(group: object) -> dict[str, Any]:
         case: Ints = vars(group)["case"]
         own = keep[case]
         return columns(group, own) | {"case": number[case[own]]}
 
-    return replace(results, whole=results, cases=replace(results.cases, **columns(results.cases, keep)),
-                   **{name: replace(group, **renumbered(group))
-                      for name in ("answers", "repeats", "preparation", "fields") for group in [getattr(results, name)]})
+    return replace(
+        results,
+        whole=results,
+        cases=replace(results.cases, **columns(results.cases, keep)),
+        **{
+            name: replace(group, **renumbered(group))
+            for name in ("answers", "repeats", "preparation", "fields")
+            for group in [getattr(results, name)]
+        },
+    )

@@ -1,4 +1,5 @@
-"""Sentences for the notes below tables and figures: machine, build, clock, and bounds that were not checked."""
+"""Sentences for the notes below tables and figures: machine, build, clock, and bounds that were not
+checked."""
 
 from __future__ import annotations
 
@@ -13,29 +14,47 @@ from analysis.shared.results import LEAST_SHARE, Results
 
 
 def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
-    """Names the solvers in `rows` (default: all) whose lower bounds the harness could not check; empty if there are none."""
+    """Names the solvers in `rows` (default: all) whose lower bounds the harness could not check;
+    empty if there are none."""
     cases, found = results.cases, dict[str, list[str]]()
     among = range(len(cases)) if rows is None else rows
-    titles, asked = {str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among}, Counter(str(cases.label[case]) for case in among)
+    titles, asked = {
+        str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among
+    }, Counter(str(cases.label[case]) for case in among)
     for case in among:
-        if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
+        if (
+            cases.status[case] != "unsound"
+            and np.isfinite(cases.lower[case])
+            and results.check_of(case).startswith("not")
+        ):
             found.setdefault(results.check_of(case), []).append(str(cases.label[case]))
 
     def counted(labels: list[str]) -> str:
-        return ", ".join(titles[label] + (f" (in {count} of {asked[label]} rows)" if count < asked[label] else "")
-                         for label, count in sorted(Counter(labels).items()))
+        return ", ".join(
+            titles[label]
+            + (f" (in {count} of {asked[label]} rows)" if count < asked[label] else "")
+            for label, count in sorted(Counter(labels).items())
+        )
 
-    return "; ".join(f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items()))
+    return "; ".join(
+        f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items())
+    )
 
 
 def side_by_side_line(results: Results) -> str:
-    """Says how many rows have incomparable times, because they ran at the same time as others; empty if none did."""
+    """Says how many rows have incomparable times, because they ran at the same time as others;
+    empty if none did."""
     several = int((results.cases.side_by_side != 0).sum())
-    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable." if several else ""
+    return (
+        f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable."
+        if several
+        else ""
+    )
 
 
 def machine_line(results: Results, rows: Sequence[int] | None = None) -> str:
-    """Returns measured_on(), followed by unchecked_line() of `rows` (default: all) if it is not empty."""
+    """Returns measured_on(), followed by unchecked_line() of `rows` (default: all) if it is not
+    empty."""
     unchecked = unchecked_line(results, rows)
     return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
 
@@ -45,9 +64,11 @@ def measured_on(results: Results) -> str:
     meta = results.meta
     gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
     dirty = " with changes" if meta.get("dirty") in (1, True, "true", "yes") else ""
-    line = (f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
-            f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
-            f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
+    line = (
+        f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
+        f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
+        f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}"
+    )
     for what, column in (("machine", results.cases.machine), ("build", results.programs)):
         if (count := len(set(column))) > 1:
             line += f"; rows of {count} {what}s are mixed, and the times of two {what}s are not comparable"
@@ -55,19 +76,25 @@ def measured_on(results: Results) -> str:
 
 
 def stand_in(note: str) -> str:
-    """Extracts from the note of a scene the shapes that replace the paper's: 'an orange sampled twice'; empty if it names none."""
+    """Extracts from the note of a scene the shapes that replace the paper's: 'an orange sampled
+    twice'; empty if it names none."""
     found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
     return found[1] if found else ""
 
 
 def scene_notes(results: Results) -> list[str]:
-    """Returns the notes of the experiment file on its scenes, such as which model replaces the paper's."""
-    return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
-            if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
+    """Returns the notes of the experiment file on its scenes, such as which model replaces the
+    paper's."""
+    return [
+        f"{style.scene_title(scene)}: {note}."
+        for scene in results.scenes
+        if (note := results.cases.scene_note[results.rows(scene=scene)[0]])
+    ]
 
 
 def clocks(results: Results) -> dict[str, list[str]]:
-    """Returns the titles of the solvers with answers, by the clock of their rows ('cpu' or 'wall')."""
+    """Returns the titles of the solvers with answers, by the clock of their rows ('cpu' or
+    'wall')."""
     found: dict[str, list[str]] = {}
     for row in range(len(results.cases)):
         if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
@@ -79,7 +106,8 @@ def clocks(results: Results) -> dict[str, list[str]]:
 
 
 def clock_word(results: Results) -> str:
-    """Returns 'CPU time' or 'wall time', or 'time' if the results have both, for captions and axes."""
+    """Returns 'CPU time' or 'wall time', or 'time' if the results have both, for captions and
+    axes."""
     found = clocks(results)
     return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
 
@@ -91,9 +119,14 @@ def clock_title(results: Results) -> str:
 
 
 def total_word(results: Results) -> str:
-    """Names the sum of preparation (always wall time) and solving (CPU or wall time), for captions and axes."""
+    """Names the sum of preparation (always wall time) and solving (CPU or wall time), for captions
+    and axes."""
     word = clock_word(results)
-    return "time to prepare (wall) and solve (CPU)" if word == "CPU time" else f"{word} to prepare and solve"
+    return (
+        "time to prepare (wall) and solve (CPU)"
+        if word == "CPU time"
+        else f"{word} to prepare and solve"
+    )
 
 
 def total_title(results: Results) -> str:
@@ -105,7 +138,12 @@ def total_title(results: Results) -> str:
 def clock_note(results: Results) -> str:
     found = clocks(results)
     cpu = "process CPU time, children included"
-    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work, a time "
-            f"was read off a trace, or an outside program used the CPU for less than {100 * LEAST_SHARE:.0f} % of its wall time" if len(found) > 1 else
-            "Times are wall time" if "wall" in found else f"Times are {cpu}")
+    what = (
+        f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work, a time "
+        f"was read off a trace, or an outside program used the CPU for less than {100 * LEAST_SHARE:.0f} % of its wall time"
+        if len(found) > 1
+        else "Times are wall time"
+        if "wall" in found
+        else f"Times are {cpu}"
+    )
     return f"{what}; preparing is wall time."

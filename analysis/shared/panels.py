@@ -10,12 +10,16 @@ import matplotlib.layout_engine
 
 STRIP: Final = 0.35  # inches: axes less high than this belong to another panel and get no letter
 ROW: Final = 0.3  # inches: panels whose tops differ by less are in one row
-LETTERS: Final = [*ascii_lowercase, *[first + second for first in ascii_lowercase for second in ascii_lowercase]]
+LETTERS: Final = [
+    *ascii_lowercase,
+    *[first + second for first in ascii_lowercase for second in ascii_lowercase],
+]
 _LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
 
 
 def panels(figure: Any) -> list[Any]:
-    """Returns the axes that count as panels, row by row: no colour bars, twin axes, strips or empty axes."""
+    """Returns the axes that count as panels, row by row: no colour bars, twin axes, strips or empty
+    axes."""
     found: dict[tuple[float, ...], Any] = {}
     for ax in figure.get_axes():
         shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images
@@ -31,13 +35,16 @@ def panels(figure: Any) -> list[Any]:
 
 
 def add_letters(figure: Any) -> None:
-    """Adds a letter to each panel if there are several; a title that begins with "(a)" keeps its letter.
+    """Adds a letter to each panel if there are several; a title that begins with "(a)" keeps its
+    letter.
 
-    The letter goes before the title, or above the top left corner of a panel without a title. Without a layout engine
-    to make room, it goes inside that corner.
+    The letter goes before the title, or above the top left corner of a panel without a title.
+    Without a layout engine to make room, it goes inside that corner.
     """
     axes = panels(figure)
-    room = figure.get_layout_engine() is not None and not isinstance(figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine)
+    room = figure.get_layout_engine() is not None and not isinstance(
+        figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine
+    )
     own = {found[1] for ax in axes if (found := _LETTERED.match(ax.get_title()))}
     free = (letter for letter in LETTERS if letter not in own)
     for ax in axes if len(axes) > 1 else []:
@@ -49,5 +56,20 @@ def add_letters(figure: Any) -> None:
         elif room:
             ax.set_title(letter, loc="left")
         else:
-            ax.annotate(letter, (0, 1), (3, -3), xycoords="axes fraction", textcoords="offset points", ha="left", va="top", fontsize=7, zorder=9,
-                        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7})
+            ax.annotate(
+                letter,
+                (0, 1),
+                (3, -3),
+                xycoords="axes fraction",
+                textcoords="offset points",
+                ha="left",
+                va="top",
+                fontsize=7,
+                zorder=9,
+                bbox={
+                    "boxstyle": "square,pad=0.1",
+                    "facecolor": "white",
+                    "edgecolor": "none",
+                    "alpha": 0.7,
+                },
+            )

@@ -11,8 +11,8 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 def measure(stem: str, file: str = "", root: Path = ROOT) -> str:
     """Returns the command that runs an experiment, by its name (`stem`).
 
-    In a clone it is 'make STEM', beside an installed program 'hausbench run STEM'. For an experiment of the user it is
-    'hausbench run FILE', with its file if known.
+    In a clone it is 'make STEM', beside an installed program 'hausbench run STEM'. For an
+    experiment of the user it is 'hausbench run FILE', with its file if known.
     """
     ours = any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
     if ours and (root / "Makefile").is_file():

@@ -12,7 +12,8 @@ import numpy.typing as npt
 class LogAxis:
     """A logarithmic vertical axis that shows exact zeros in a separate band below a break.
 
-    Construct it with all values that will be drawn, and draw `place` of each. Values below 1e-250 are drawn at 1e-250.
+    Construct it with all values that will be drawn, and draw `place` of each. Values below 1e-250
+    are drawn at 1e-250.
     """
 
     LEAST: Final = 1e-250
@@ -43,9 +44,19 @@ class LogAxis:
             edge = 10.0 ** (low - 1.3 * room)
             ax.axhspan(bottom, edge, color="#F1F1F1", linewidth=0, zorder=0)
             ax.axhline(edge, color="white", linewidth=2.5, zorder=0.5)
-            for y in (10.0 ** (low - 1.15 * room), 10.0 ** (low - 1.45 * room)):  # the break, drawn on the axis itself
-                ax.plot([-0.02, 0.02], [y, y], transform=ax.get_yaxis_transform(), color="black", linewidth=0.6,
-                        clip_on=False, zorder=5)
+            for y in (
+                10.0 ** (low - 1.15 * room),
+                10.0 ** (low - 1.45 * room),
+            ):  # the break, drawn on the axis itself
+                ax.plot(
+                    [-0.02, 0.02],
+                    [y, y],
+                    transform=ax.get_yaxis_transform(),
+                    color="black",
+                    linewidth=0.6,
+                    clip_on=False,
+                    zorder=5,
+                )
         ax.set_yticks(ticks, labels)
         ax.set_ylim(bottom, 10.0 ** (high + 0.7 * room))
 
@@ -57,7 +68,8 @@ class LogAxis:
 def log_ticks(axis: Any) -> None:
     """Sets ticks at powers of ten, without minor ticks.
 
-    If fewer than two powers are in view, adds ticks at 3 (or 2 and 5) times a power, and writes plain numbers.
+    If fewer than two powers are in view, adds ticks at 3 (or 2 and 5) times a power, and writes
+    plain numbers.
     """
     low, high = np.log10(sorted(axis.get_view_interval()))
     few = np.floor(high) - np.ceil(low) < 1
@@ -65,4 +77,6 @@ def log_ticks(axis: Any) -> None:
     between = (1, 2, 5) if high - low < 0.6 else (1, 3)  # more would overlap in a narrow frame
     axis.set_major_locator(matplotlib.ticker.LogLocator(subs=between if few else (1,), numticks=6))
     if few:
-        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}" if x < 1e4 else f"{x:,.0f}"))
+        axis.set_major_formatter(
+            matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}" if x < 1e4 else f"{x:,.0f}")
+        )

@@ -1,8 +1,8 @@
 """Finds the script of a stem (the name of an experiment), and the results that the script draws.
 
-The script of experiments/<folder>/<stem>.toml is analysis/<folder>/<stem>.py, or the one that SCRIPTS names. It draws
-the results of its own stem unless it lists others as RESULTS_OF: then it gets the results of the first of these, and the
-Makefile measures the others before the script runs.
+The script of experiments/<folder>/<stem>.toml is analysis/<folder>/<stem>.py, or the one that
+SCRIPTS names. It draws the results of its own stem unless it lists others as RESULTS_OF: then it
+gets the results of the first of these, and the Makefile measures the others before the script runs.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ SCRIPTS: Final = {
     "scaling_meshes": "growth",
     "scaling_points": "growth",
     "zhang2017_fig10": "zhang_motion",
-    "zhang2017_fig11": "zhang_motion"}
+    "zhang2017_fig11": "zhang_motion",
+}
 ANALYSIS = Path(__file__).resolve().parents[1]
-_RESULTS_OF = re.compile(r'^RESULTS_OF\b[^=\n]*= (.*)$', re.MULTILINE)
+_RESULTS_OF = re.compile(r"^RESULTS_OF\b[^=\n]*= (.*)$", re.MULTILINE)
 
 
 def has_script(stem: str) -> bool:
@@ -36,7 +37,8 @@ def script_of(stem: str) -> Path:
 
 
 def named_in(script: Path) -> list[str]:
-    """Returns the stems that a script lists as RESULTS_OF. Searches its text, because importing it would take seconds."""
+    """Returns the stems that a script lists as RESULTS_OF. Searches its text, because importing it
+    would take seconds."""
     found = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
     return re.findall(r'"(\w+)"', found[1]) if found else []
 
@@ -53,4 +55,11 @@ def results_of(stem: str) -> str:
 
 def drawn_with(stem: str) -> list[str]:
     """Returns the stem and all other stems whose scripts draw its results."""
-    return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and named_in(file)[:1] == [stem])]
+    return [
+        stem,
+        *sorted(
+            file.stem
+            for file in ANALYSIS.rglob("*.py")
+            if file.stem != stem and named_in(file)[:1] == [stem]
+        ),
+    ]

@@ -1,4 +1,5 @@
-"""Writes tables to files: CSV with all digits; rounded numbers in Markdown and LaTeX. Writes records as JSON."""
+"""Writes tables to files: CSV with all digits; rounded numbers in Markdown and LaTeX. Writes
+records as JSON."""
 
 from __future__ import annotations
 
@@ -23,11 +24,16 @@ def _is_number(text: str) -> bool:
 
 
 def comma_separated(records: Sequence[Record]) -> str:
-    """Returns the records as CSV. Floating-point numbers have all digits; NaN becomes an empty field. A text that a spreadsheet would take for
-    a formula gets an apostrophe.
+    """Returns the records as CSV. Floating-point numbers have all digits; NaN becomes an empty
+    field. A text that a spreadsheet would take for a formula gets an apostrophe.
     """
+
     def cell(value: object) -> object:
-        if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) and not _is_number(value):
+        if (
+            isinstance(value, str)
+            and value.startswith(("=", "+", "-", "@"))
+            and not _is_number(value)
+        ):
             return "'" + value
         return "" if isinstance(value, float) and math.isnan(value) else value
 
@@ -50,12 +56,15 @@ def read_json(path: Path) -> list[Record]:
     """Reads what save_json() wrote. Raises ValueError if the file is damaged."""
     found = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise ValueError(f"{path}: not a list of records: write it again with 'python3 -m analysis'")
+        raise ValueError(
+            f"{path}: not a list of records: write it again with 'python3 -m analysis'"
+        )
     return found
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Writes the file under another name first, so that a reader sees either the old content or the new."""
+    """Writes the file under another name first, so that a reader sees either the old content or the
+    new."""
     unfinished = path.with_name(path.name + ".unfinished")
     try:
         unfinished.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)

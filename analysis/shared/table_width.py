@@ -1,7 +1,8 @@
-"""Fits a LaTeX table to a page: chooses font size, columns with line breaks, orientation, and the number of blocks and pages.
+"""Fits a LaTeX table to a page: chooses font size, columns with line breaks, orientation, and the
+number of blocks and pages.
 
-Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX. A wide table is
-split into blocks: groups of columns that are printed below each other.
+Widths are estimated from the letter widths of Computer Modern, so writing a table does not need
+LaTeX. A wide table is split into blocks: groups of columns that are printed below each other.
 """
 
 from __future__ import annotations
@@ -20,24 +21,48 @@ SPARE: Final = 1.03  # estimated widths are multiplied by this, to be safe
 CROWDED: Final = 1.7  # cells are wrapped only if the table is at most this many times too wide
 AROUND: Final = 130.0  # points reserved for a caption and 120 words of notes
 # For each font size, in points: the height of a line and the width of 1 em.
-SIZES: Final = {"small": (11.0, 9 * 1.027), "footnotesize": (9.5, 8 * 1.0625), "scriptsize": (8.0, 7 * 1.138)}
-_BY_WIDTH: Final = {278: "il.,:;[]!|'", 306: "fj", 333: "- ", 394: "rst()`I\"", 444: "cez", 500: "ago0123456789/_?*#$", 528: "kvxy", 556: "bdhnpquJS", 653: "LF", 681: "EP",
-                    750: "wABCRTUVXYZ&", 785: "DGHKNOQ+=<>~^@", 917: "mM%", 1028: "W"}
+SIZES: Final = {
+    "small": (11.0, 9 * 1.027),
+    "footnotesize": (9.5, 8 * 1.0625),
+    "scriptsize": (8.0, 7 * 1.138),
+}
+_BY_WIDTH: Final = {
+    278: "il.,:;[]!|'",
+    306: "fj",
+    333: "- ",
+    394: 'rst()`I"',
+    444: "cez",
+    500: "ago0123456789/_?*#$",
+    528: "kvxy",
+    556: "bdhnpquJS",
+    653: "LF",
+    681: "EP",
+    750: "wABCRTUVXYZ&",
+    785: "DGHKNOQ+=<>~^@",
+    917: "mM%",
+    1028: "W",
+}
 _WIDTHS: Final = {letter: width for width, letters in _BY_WIDTH.items() for letter in letters}
 
-Block = dict[int, float | None]  # columns of a block: width in points of a column that wraps, None for others
+Block = dict[
+    int, float | None
+]  # columns of a block: width in points of a column that wraps, None for others
 
 
 def text_width(text: str, size: str) -> float:
     """Estimates the width of a text in points."""
+
     def of(letter: str) -> float:
-        return _WIDTHS.get(letter) or (3200 if "texttt" in tex_escape(letter) else 1000 if letter == "—" else 778)
+        return _WIDTHS.get(letter) or (
+            3200 if "texttt" in tex_escape(letter) else 1000 if letter == "—" else 778
+        )
 
     return sum(map(of, text)) * SIZES[size][1] / 1000
 
 
 def unbroken(text: str) -> str:
-    """Returns the text with non-breaking spaces inside brackets, so that no interval is split between two lines.
+    """Returns the text with non-breaking spaces inside brackets, so that no interval is split
+    between two lines.
 
     Text of 40 or more letters is returned unchanged.
     """
@@ -64,7 +89,8 @@ class Layout:
 
 
 def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> list[float] | None:
-    """Returns column widths that fit into `room`. If necessary, cuts the widest columns to a common width, but not below `least`.
+    """Returns column widths that fit into `room`. If necessary, cuts the widest columns to a common
+    width, but not below `least`.
 
     Returns None if even the least widths do not fit.
     """
@@ -94,7 +120,8 @@ def _lines(text: str, width: float, size: str) -> int:
 
 @dataclass(frozen=True)
 class Cells:
-    """The rows of a table (the header is the first), with the widths that its columns need at one font size."""
+    """The rows of a table (the header is the first), with the widths that its columns need at one
+    font size."""
 
     size: str
     rows: Sequence[Sequence[str]]
@@ -105,16 +132,30 @@ class Cells:
     def of(rows: Sequence[Sequence[str]], size: str) -> Cells:
         columns = list(zip(*rows))
         natural = [max(text_width(cell, size) for cell in cells) * SPARE for cells in columns]
-        least = [max(text_width(word, size) for cell in cells for word in unbroken(cell).split(" ")) * SPARE for cells in columns]
+        least = [
+            max(text_width(word, size) for cell in cells for word in unbroken(cell).split(" "))
+            * SPARE
+            for cells in columns
+        ]
         return Cells(size, rows, natural, least)
 
     def height(self, columns: Sequence[int], widths: Sequence[float]) -> float:
-        lines = sum(max(_lines(row[i], width, self.size) if width < self.natural[i] else 1 for i, width in zip(columns, widths)) for row in self.rows)
+        lines = sum(
+            max(
+                _lines(row[i], width, self.size) if width < self.natural[i] else 1
+                for i, width in zip(columns, widths)
+            )
+            for row in self.rows
+        )
         return lines * SIZES[self.size][0] * 1.05 + 12
 
 
 def _block(cells: Cells, columns: list[int], room: float) -> list[float] | None:
-    return _shared([cells.natural[i] for i in columns], [cells.least[i] for i in columns], room - 2 * GAP * (len(columns) - 1))
+    return _shared(
+        [cells.natural[i] for i in columns],
+        [cells.least[i] for i in columns],
+        room - 2 * GAP * (len(columns) - 1),
+    )
 
 
 def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None:
@@ -127,17 +168,27 @@ def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None
         if widths is None:
             return None
         height += cells.height(columns, widths) + 10
-        found.append({i: width if width < cells.natural[i] - 0.01 else None for i, width in zip(columns, widths)})
+        found.append(
+            {
+                i: width if width < cells.natural[i] - 0.01 else None
+                for i, width in zip(columns, widths)
+            }
+        )
     return Layout(cells.size, sideways, height > page - AROUND, found)
 
 
 def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
-    """Splits the columns into blocks that fit an upright page. Each block repeats the first `kept` columns.
+    """Splits the columns into blocks that fit an upright page. Each block repeats the first `kept`
+    columns.
 
-    Splits before the columns in `parts` if that fits, else into as few blocks of similar size as possible.
+    Splits before the columns in `parts` if that fits, else into as few blocks of similar size as
+    possible.
     """
     first, others = list(range(kept)), len(cells.natural) - kept
-    tried = [[*parts, kept + others]] * bool(parts) + [[kept + round(others * i / count) for i in range(count + 1)] for count in range(2, others + 1)]
+    tried = [[*parts, kept + others]] * bool(parts) + [
+        [kept + round(others * i / count) for i in range(count + 1)]
+        for count in range(2, others + 1)
+    ]
     for ends in tried:
         blocks = [first + list(range(low, high)) for low, high in zip(ends, ends[1:])]
         if all(_block(cells, block, PAGE_WIDTH) for block in blocks):
@@ -145,11 +196,14 @@ def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
     return [list(range(len(cells.natural)))]
 
 
-def layout(header: Sequence[str], rows: Sequence[Sequence[str]], left: int, parts: Sequence[int] = ()) -> Layout:
-    """Returns the first layout that fits: upright, upright with wrapped cells, sideways, or upright in several blocks.
+def layout(
+    header: Sequence[str], rows: Sequence[Sequence[str]], left: int, parts: Sequence[int] = ()
+) -> Layout:
+    """Returns the first layout that fits: upright, upright with wrapped cells, sideways, or upright
+    in several blocks.
 
-    `parts` are the columns at which blocks begin; columns before the first of them are repeated in each block. Without
-    `parts`, the `left` columns of text are repeated.
+    `parts` are the columns at which blocks begin; columns before the first of them are repeated in
+    each block. Without `parts`, the `left` columns of text are repeated.
     """
     texts = [header, *rows]
     measured = {size: Cells.of(texts, size) for size in SIZES}
@@ -157,11 +211,21 @@ def layout(header: Sequence[str], rows: Sequence[Sequence[str]], left: int, part
     found = [_set(measured[size], everything, False) for size in ("small", "footnotesize")]
     if plain := next((each for each in found if each and not each.wraps), None):
         return plain
-    for size, sideways in (("footnotesize", False), ("scriptsize", False), ("footnotesize", True), ("scriptsize", True)):
+    for size, sideways in (
+        ("footnotesize", False),
+        ("scriptsize", False),
+        ("footnotesize", True),
+        ("scriptsize", True),
+    ):
         fitting = _set(measured[size], everything, sideways)
-        if fitting and sum(measured[size].natural) < CROWDED * (PAGE_HEIGHT if sideways else PAGE_WIDTH):
+        if fitting and sum(measured[size].natural) < CROWDED * (
+            PAGE_HEIGHT if sideways else PAGE_WIDTH
+        ):
             return fitting
     kept = parts[0] if parts else left if left < len(header) else 1
-    several = [_set(measured[size], _split(measured[size], kept, parts), False) for size in ("footnotesize", "scriptsize")]
+    several = [
+        _set(measured[size], _split(measured[size], kept, parts), False)
+        for size in ("footnotesize", "scriptsize")
+    ]
     few = min((each for each in several if each), key=lambda each: len(each.blocks), default=None)
     return few or Layout("scriptsize", False, True, [dict.fromkeys(everything[0])])

@@ -1,4 +1,5 @@
-"""Compares intervals for the example of Shou et al. 2014, by voxel size, with our enclosure: width, work and time."""
+"""Compares intervals for the example of Shou et al. 2014, by voxel size, with our enclosure: width,
+work and time."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"
 
 
 def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[float, Joined]]:
-    """Returns answers with both directions: of the published method by label, form and depth, and of ours by tolerance."""
+    """Returns answers with both directions: of the published method by label, form and depth, and
+    of ours by tolerance."""
     cases = results.cases
     groups: dict[tuple[Any, ...], list[int]] = {}
     for row in range(len(cases)):
@@ -36,8 +38,10 @@ def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[
             key = (cases.label[row], str(options["form"]), int(options["depth"]))
         groups.setdefault(key, []).append(row)
     both = {key: join(results, rows) for key, rows in groups.items() if len(rows) == 2}
-    return ({(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},
-            {float(k[0]): v for k, v in both.items() if len(k) == 1})
+    return (
+        {(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},
+        {float(k[0]): v for k, v in both.items() if len(k) == 1},
+    )
 
 
 def make(results: Results) -> Report:
@@ -46,9 +50,20 @@ def make(results: Results) -> Report:
     depths = sorted({depth for _, _, depth in published})
     table = tables.Table(
         "Interval of H for the cones of Shou et al. 2014 against voxels per axis; subdivision and distances are separate, both directions together.",
-        ["voxels / tolerance", "lower", "upper", "width", "holds H", *[f"polynomial bounds, {f.replace('_', ' ')}"
-                                                                       for f in FORMS],
-         "subdivision, s", "pruned pairs, s", "box distances", "all pairs, s", "box distances, all"])
+        [
+            "voxels / tolerance",
+            "lower",
+            "upper",
+            "width",
+            "holds H",
+            *[f"polynomial bounds, {f.replace('_', ' ')}" for f in FORMS],
+            "subdivision, s",
+            "pruned pairs, s",
+            "box distances",
+            "all pairs, s",
+            "box distances, all",
+        ],
+    )
     records: list[tables.Record] = []
     for (label, form, depth), one in sorted(published.items()):
         records.append({"method": label, "form": form, "voxels": 2**depth, **one.record()})
@@ -58,52 +73,113 @@ def make(results: Results) -> Report:
         one = published["pruned pairs", "modified_affine", depth]
         every = published.get(("all pairs", "modified_affine", depth))
         forms = [published.get(("pruned pairs", form, depth)) for form in FORMS]
-        table.rows.append([f"{2**depth}³", numerals.at_least(one.lower, 8), numerals.at_most(one.upper, 8), numerals.number(one.upper - one.lower),
-                           "yes" if one.lower <= exact <= one.upper else "no",
-                           *[f"{f.evaluations:,}" if f else numerals.NOTHING for f in forms],
-                           numerals.number(one.prepare), numerals.number(one.solve), f"{one.distances:,}",
-                           numerals.number(every.solve) if every else numerals.NOTHING,
-                           f"{every.distances:,}" if every else numerals.NOTHING])
+        table.rows.append(
+            [
+                f"{2**depth}³",
+                numerals.at_least(one.lower, 8),
+                numerals.at_most(one.upper, 8),
+                numerals.number(one.upper - one.lower),
+                "yes" if one.lower <= exact <= one.upper else "no",
+                *[f"{f.evaluations:,}" if f else numerals.NOTHING for f in forms],
+                numerals.number(one.prepare),
+                numerals.number(one.solve),
+                f"{one.distances:,}",
+                numerals.number(every.solve) if every else numerals.NOTHING,
+                f"{every.distances:,}" if every else numerals.NOTHING,
+            ]
+        )
     rule = len(table.rows)
     for tolerance in sorted(ours, reverse=True):
         one = ours[tolerance]
-        table.rows.append([f"ours, {tolerance:g}", numerals.at_least(one.lower, 10), numerals.at_most(one.upper, 10),
-                           numerals.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
-                           *3 * [numerals.NOTHING], f"{one.evaluations:,}", numerals.number(one.prepare),
-                           numerals.number(one.solve), f"{one.distances:,}", numerals.NOTHING, numerals.NOTHING])
+        table.rows.append(
+            [
+                f"ours, {tolerance:g}",
+                numerals.at_least(one.lower, 10),
+                numerals.at_most(one.upper, 10),
+                numerals.number(one.upper - one.lower),
+                "yes" if one.lower <= exact <= one.upper else "no",
+                *3 * [numerals.NOTHING],
+                f"{one.evaluations:,}",
+                numerals.number(one.prepare),
+                numerals.number(one.solve),
+                f"{one.distances:,}",
+                numerals.NOTHING,
+                numerals.NOTHING,
+            ]
+        )
         records.append({"method": "surface_enclosure", "tolerance": tolerance, **one.record()})
     table.rules = {rule}
     table.verdicts = verdicts(published, exact)
-    different = sorted({depth for depth in depths
-                        if len({(o.lower, o.upper) for (label, _, d), o in published.items()
-                                if d == depth and label == "pruned pairs"}) > 1})
+    different = sorted(
+        {
+            depth
+            for depth in depths
+            if len(
+                {
+                    (o.lower, o.upper)
+                    for (label, _, d), o in published.items()
+                    if d == depth and label == "pruned pairs"
+                }
+            )
+            > 1
+        }
+    )
     table.notes = [
         f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). {holding(published.values(), exact)} of the published method's intervals contain it, which the method "
         f"itself does not prove. {holding(ours.values(), exact)} of the proven ones ('ours') contain it.",
-        "All four forms give the same interval at every size." if not different else
-        "The forms give different intervals at " + ", ".join(f"{2**d}³" for d in different) + "; shown: modified affine.",
-        f"Here: {machine_line(results)}."]
-    caption = ("The cones of Shou et al. 2014, both directions together: (a) the interval of H and the exact H, (b) the number of polynomial bounds "
-               "relative to natural interval arithmetic, and (c) the times to subdivide, by kind of arithmetic, and to measure distances, in seconds, by "
-               "voxels per axis; (d) the width of the interval against the whole time, in seconds, with this project's enclosure ('ours') at several "
-               "tolerances. (a) and (d) use modified affine arithmetic.")
+        "All four forms give the same interval at every size."
+        if not different
+        else "The forms give different intervals at "
+        + ", ".join(f"{2**d}³" for d in different)
+        + "; shown: modified affine.",
+        f"Here: {machine_line(results)}.",
+    ]
+    caption = (
+        "The cones of Shou et al. 2014, both directions together: (a) the interval of H and the exact H, (b) the number of polynomial bounds "
+        "relative to natural interval arithmetic, and (c) the times to subdivide, by kind of arithmetic, and to measure distances, in seconds, by "
+        "voxels per axis; (d) the width of the interval against the whole time, in seconds, with this project's enclosure ('ours') at several "
+        "tolerances. (a) and (d) use modified affine arithmetic."
+    )
     return Report(lambda: draw(published, ours, exact, depths), table, records, caption=caption)
 
 
 def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
-    """Judges claims on the published method: width with pruning, distances for all pairs, both in modified affine arithmetic,
-    and whether all intervals hold. These numbers are exact, so no statistical test is needed.
+    """Judges claims on the published method: width with pruning, distances for all pairs, both in
+    modified affine arithmetic, and whether all intervals hold. These numbers are exact, so no
+    statistical test is needed.
     """
+
     def of(label: str) -> dict[int, Joined]:
-        return {depth: one for (name, form, depth), one in sorted(published.items()) if (name, form) == (label, "modified_affine")}
+        return {
+            depth: one
+            for (name, form, depth), one in sorted(published.items())
+            if (name, form) == (label, "modified_affine")
+        }
 
     pruned, every = of("pruned pairs"), of("all pairs")
     widths = {depth: one.upper - one.lower for depth, one in pruned.items()}
-    steps = [exactly(SHRINKS * widths[depth] / widths[depth + 1]) for depth in widths if depth + 1 in widths]
-    work = [exactly(every[depth + 1].distances / one.distances / WORK) for depth, one in every.items() if depth + 1 in every and one.distances]
+    steps = [
+        exactly(SHRINKS * widths[depth] / widths[depth + 1])
+        for depth in widths
+        if depth + 1 in widths
+    ]
+    work = [
+        exactly(every[depth + 1].distances / one.distances / WORK)
+        for depth, one in every.items()
+        if depth + 1 in every and one.distances
+    ]
     outside = sum(not one.lower <= exact <= one.upper for one in published.values())
-    return [everywhere(claims.of("shou2014", "any_precision"), steps, "steps"), everywhere(claims.of("shou2014", "overwhelming"), work, "steps"),
-            all_of(claims.of("shou2014", "holds_distance"), outside, len(published), len(published), "intervals")]
+    return [
+        everywhere(claims.of("shou2014", "any_precision"), steps, "steps"),
+        everywhere(claims.of("shou2014", "overwhelming"), work, "steps"),
+        all_of(
+            claims.of("shou2014", "holds_distance"),
+            outside,
+            len(published),
+            len(published),
+            "intervals",
+        ),
+    ]
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:
@@ -115,14 +191,27 @@ def holding(intervals: Iterable[Joined], exact: float) -> str:
 Points = list[tuple[float, Joined]]  # by voxels along an axis
 
 
-def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float, depths: list[int]) -> Any:
-    figure, ((interval, bounds), (seconds, widths)) = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 4.3))
+def draw(
+    published: dict[tuple[str, str, int], Joined],
+    ours: dict[float, Joined],
+    exact: float,
+    depths: list[int],
+) -> Any:
+    figure, ((interval, bounds), (seconds, widths)) = plt.subplots(
+        2, 2, figsize=(style.DOUBLE_COLUMN, 4.3)
+    )
     at = [2.0**d for d in depths]
 
     def of(label: str, form: str = "modified_affine") -> Points:
-        return [(2.0**d, published[label, form, d]) for d in depths if (label, form, d) in published]
+        return [
+            (2.0**d, published[label, form, d]) for d in depths if (label, form, d) in published
+        ]
 
-    pruned, every, forms = of("pruned pairs"), of("all pairs"), {form: of("pruned pairs", form) for form in FORMS}
+    pruned, every, forms = (
+        of("pruned pairs"),
+        of("all pairs"),
+        {form: of("pruned pairs", form) for form in FORMS},
+    )
     draw_interval(interval, pruned, exact, at[0] if at else 1)
     draw_bounds(bounds, forms)
     draw_seconds(seconds, forms, pruned, every)
@@ -142,44 +231,106 @@ def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined
 def draw_interval(ax: Any, pruned: Points, exact: float, left: float) -> None:
     plain = style.look("interval_subdivision")
     x = [voxels for voxels, _ in pruned]
-    ax.fill_between(x, [one.lower for _, one in pruned], [one.upper for _, one in pruned], color=plain.colour, alpha=0.15, linewidth=0)
+    ax.fill_between(
+        x,
+        [one.lower for _, one in pruned],
+        [one.upper for _, one in pruned],
+        color=plain.colour,
+        alpha=0.15,
+        linewidth=0,
+    )
     for end in ("lower", "upper"):
-        ax.plot(x, [getattr(one, end) for _, one in pruned], color=plain.colour, marker=plain.marker, markersize=3.5)
-    ax.axhline(exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2)))
-    as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (left, exact), xytext=(4, -3), textcoords="offset points", ha="left", va="top", fontsize=7))
+        ax.plot(
+            x,
+            [getattr(one, end) for _, one in pruned],
+            color=plain.colour,
+            marker=plain.marker,
+            markersize=3.5,
+        )
+    ax.axhline(
+        exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2))
+    )
+    as_formula(
+        ax.annotate(
+            r"$H = \sqrt{43}/3 - 4/3$",
+            (left, exact),
+            xytext=(4, -3),
+            textcoords="offset points",
+            ha="left",
+            va="top",
+            fontsize=7,
+        )
+    )
     ax.set_ylabel("interval of H (units of the model)")
 
 
 def look_of(form: str) -> dict[str, Any]:
-    return {"marker": MARKERS[form], "markersize": 3.5, "linewidth": 0.8, "color": str(0.65 - 0.2 * FORMS.index(form))}
+    return {
+        "marker": MARKERS[form],
+        "markersize": 3.5,
+        "linewidth": 0.8,
+        "color": str(0.65 - 0.2 * FORMS.index(form)),
+    }
 
 
 def draw_bounds(ax: Any, forms: dict[str, Points]) -> None:
     natural = dict(forms["natural"])
     for form, points in forms.items():
         known = [(x, one.evaluations / natural[x].evaluations) for x, one in points if x in natural]
-        ax.plot([x for x, _ in known], [y for _, y in known], label=form.replace("_", " "), **look_of(form))
+        ax.plot(
+            [x for x, _ in known],
+            [y for _, y in known],
+            label=form.replace("_", " "),
+            **look_of(form),
+        )
     ax.set_ylabel("polynomial bounds, natural = 1")
 
 
 def draw_seconds(ax: Any, forms: dict[str, Points], pruned: Points, every: Points) -> None:
     for form, points in forms.items():
-        ax.plot([x for x, _ in points], [one.prepare for _, one in points], label=f"subdivision, {form.replace('_', ' ')}", **look_of(form))
+        ax.plot(
+            [x for x, _ in points],
+            [one.prepare for _, one in points],
+            label=f"subdivision, {form.replace('_', ' ')}",
+            **look_of(form),
+        )
     colour = style.look("interval_subdivision").colour
     for points, name, face in ((pruned, "pruned pairs", colour), (every, "all pairs", "white")):
-        ax.plot([x for x, _ in points], [one.solve for _, one in points], color=colour, marker="o", markersize=3.5, linestyle=(0, (3, 1.5)),
-                markerfacecolor=face, markeredgecolor=colour, label=f"distances, {name}")
+        ax.plot(
+            [x for x, _ in points],
+            [one.solve for _, one in points],
+            color=colour,
+            marker="o",
+            markersize=3.5,
+            linestyle=(0, (3, 1.5)),
+            markerfacecolor=face,
+            markeredgecolor=colour,
+            label=f"distances, {name}",
+        )
     ax.set_yscale("log")
     ax.set_ylabel("time (s)")
 
 
 def draw_widths(ax: Any, pruned: Points, every: Points, ours: list[Joined]) -> None:
     def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
-        points = sorted(((one.upper - one.lower, one.prepare + one.solve) for one in members), reverse=True)
-        ax.plot([p[1] for p in points], [p[0] for p in points], **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name)
+        points = sorted(
+            ((one.upper - one.lower, one.prepare + one.solve) for one in members), reverse=True
+        )
+        ax.plot(
+            [p[1] for p in points],
+            [p[0] for p in points],
+            **(style.filled_marker(looks) | {"linestyle": "-"} | more),
+            label=name,
+        )
 
     plain = style.look("interval_subdivision")
-    line([one for _, one in every], plain, "all pairs", markerfacecolor="white", markeredgecolor=plain.colour)
+    line(
+        [one for _, one in every],
+        plain,
+        "all pairs",
+        markerfacecolor="white",
+        markeredgecolor=plain.colour,
+    )
     line([one for _, one in pruned], plain, "pruned pairs")
     line(ours, style.look("surface_enclosure"), "ours")
     ax.set_xscale("log")

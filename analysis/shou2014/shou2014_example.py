@@ -1,4 +1,5 @@
-"""Compares the printed interval for the example of Shou et al. 2014 with ours, for the symmetric distance."""
+"""Compares the printed interval for the example of Shou et al. 2014 with ours, for the symmetric
+distance."""
 
 from __future__ import annotations
 
@@ -17,12 +18,15 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
 
-PRINTED_TO = 1e-10  # allowed difference to ten printed digits, which the paper truncates instead of rounding
+PRINTED_TO = (
+    1e-10  # allowed difference to ten printed digits, which the paper truncates instead of rounding
+)
 
 
 @dataclass(frozen=True)
 class Joined:
-    """The symmetric distance by one solver: bounds are the maximum of both directions; times and counts are their sum."""
+    """The symmetric distance by one solver: bounds are the maximum of both directions; times and
+    counts are their sum."""
 
     lower: float
     upper: float
@@ -33,53 +37,116 @@ class Joined:
     status: str
 
     def record(self) -> tables.Record:
-        return {"lower": self.lower, "upper": self.upper, "subdivision_seconds": self.prepare, "distance_seconds": self.solve,
-                "box_distances": self.distances, "polynomial_evaluations": self.evaluations}
+        return {
+            "lower": self.lower,
+            "upper": self.upper,
+            "subdivision_seconds": self.prepare,
+            "distance_seconds": self.solve,
+            "box_distances": self.distances,
+            "polynomial_evaluations": self.evaluations,
+        }
 
 
 def join(results: Results, rows: list[int]) -> Joined:
-    """Combines the rows of both directions of one solver and its options into a symmetric answer."""
+    """Combines the rows of both directions of one solver and its options into a symmetric
+    answer."""
     cases = results.cases
     bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
-    return Joined(max(float(cases.lower[row]) for row in rows), max(float(cases.upper[row]) for row in rows),
-                  sum(results.prepare_seconds(row) for row in rows),
-                  sum(float(np.median(list(results.solve_by_round(row).values()))) if results.solve_by_round(row) else
-                      float("nan") for row in rows),
-                  sum(int(cases.counters["box_distances"][row]) for row in rows),
-                  sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows), bad[0] if bad else "ok")
+    return Joined(
+        max(float(cases.lower[row]) for row in rows),
+        max(float(cases.upper[row]) for row in rows),
+        sum(results.prepare_seconds(row) for row in rows),
+        sum(
+            float(np.median(list(results.solve_by_round(row).values())))
+            if results.solve_by_round(row)
+            else float("nan")
+            for row in rows
+        ),
+        sum(int(cases.counters["box_distances"][row]) for row in rows),
+        sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows),
+        bad[0] if bad else "ok",
+    )
 
 
 def make(results: Results) -> Report:
     cases, reference = results.cases, paper_numbers(results.stem)
     paper: dict[str, Any] = reference["row"][0]
     exact = float(reference["exact"])
-    methods = [(solver, label, tolerance) for solver, label in style.order(zip(cases.solver, cases.label))
-               for tolerance in sorted(set(map(float, cases.tolerance[results.rows(label=label)])), reverse=True)]
-    found = {(label, tolerance): join(results, [int(r) for r in results.rows(label=label)
-                                                if cases.tolerance[r] == tolerance])
-             for _, label, tolerance in methods}
+    methods = [
+        (solver, label, tolerance)
+        for solver, label in style.order(zip(cases.solver, cases.label))
+        for tolerance in sorted(
+            set(map(float, cases.tolerance[results.rows(label=label)])), reverse=True
+        )
+    ]
+    found = {
+        (label, tolerance): join(
+            results, [int(r) for r in results.rows(label=label) if cases.tolerance[r] == tolerance]
+        )
+        for _, label, tolerance in methods
+    }
     doubtful = "seconds" in paper.get("doubtful", [])
     all_pairs = next((one for (label, _), one in found.items() if label == "all pairs"), None)
     table = tables.Table(
         "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels per axis, and this project's enclosure.",
-        ["method", "lower", "upper", "midpoint", "half-width", "subdivision, s", "distances, s", "box distances",
-         "fewer than all pairs", "polynomial bounds"])
-    table.rows.append(["paper", f"{paper['lower']:.10f}", f"{paper['upper']:.10f}", f"{paper['midpoint']:.11f}",
-                       f"{paper['error']:.11f}", numerals.NOTHING, f"{paper['seconds']}{'?' * doubtful} (all)", *3 * [numerals.NOTHING]])
+        [
+            "method",
+            "lower",
+            "upper",
+            "midpoint",
+            "half-width",
+            "subdivision, s",
+            "distances, s",
+            "box distances",
+            "fewer than all pairs",
+            "polynomial bounds",
+        ],
+    )
+    table.rows.append(
+        [
+            "paper",
+            f"{paper['lower']:.10f}",
+            f"{paper['upper']:.10f}",
+            f"{paper['midpoint']:.11f}",
+            f"{paper['error']:.11f}",
+            numerals.NOTHING,
+            f"{paper['seconds']}{'?' * doubtful} (all)",
+            *3 * [numerals.NOTHING],
+        ]
+    )
     records: list[tables.Record] = []
     for solver, label, tolerance in methods:
         one = found[label, tolerance]
         ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
         title = title_of(solver, label, tolerance)
-        table.rows.append([title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
-                           numerals.at_least(one.lower, 10), numerals.at_most(one.upper, 10),
-                           f"{(one.lower + one.upper) / 2:.11f}", f"{(one.upper - one.lower) / 2:.3e}"
-                           if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
-                           numerals.number(one.prepare), numerals.number(one.solve), f"{one.distances:,}",
-                           numerals.number(ratio), f"{one.evaluations:,}"])
-        records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
-                        "paper_lower": paper["lower"], "paper_upper": paper["upper"],
-                        "paper_seconds": float("nan") if doubtful else paper["seconds"]})
+        table.rows.append(
+            [
+                title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
+                numerals.at_least(one.lower, 10),
+                numerals.at_most(one.upper, 10),
+                f"{(one.lower + one.upper) / 2:.11f}",
+                f"{(one.upper - one.lower) / 2:.3e}"
+                if one.upper - one.lower < 1e-3
+                else f"{(one.upper - one.lower) / 2:.11f}",
+                numerals.number(one.prepare),
+                numerals.number(one.solve),
+                f"{one.distances:,}",
+                numerals.number(ratio),
+                f"{one.evaluations:,}",
+            ]
+        )
+        records.append(
+            {
+                "solver": solver,
+                "label": label,
+                "tolerance": tolerance,
+                "status": one.status,
+                **one.record(),
+                "paper_lower": paper["lower"],
+                "paper_upper": paper["upper"],
+                "paper_seconds": float("nan") if doubtful else paper["seconds"],
+            }
+        )
     table.verdicts = [printed_interval(paper, all_pairs)]
     table.notes = [
         f"Both directions together. The exact H of these surfaces is sqrt 43/3 - 4/3 = {exact:.10f}, attained "
@@ -89,26 +156,42 @@ def make(results: Results) -> Report:
         "The published method assumes that every voxel that may meet the surface does meet it, so its ends are not bounds where that fails (stem "
         "surfaces_gallery shows such a pair); 'surface enclosure' proves both ends.",
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
-        f"Here: {machine_line(results)}."]
+        f"Here: {machine_line(results)}.",
+    ]
     return Report(lambda: draw(methods, found, paper, exact), table, records)
 
 
 def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
-    """Judges whether our interval for all pairs, its midpoint and its half-width equal the printed numbers."""
+    """Judges whether our interval for all pairs, its midpoint and its half-width equal the printed
+    numbers."""
     known = here if here and here.status == "ok" else None
-    found = {"lower": known.lower, "upper": known.upper, "midpoint": (known.lower + known.upper) / 2, "error": (known.upper - known.lower) / 2} if known else {}
+    found = (
+        {
+            "lower": known.lower,
+            "upper": known.upper,
+            "midpoint": (known.lower + known.upper) / 2,
+            "error": (known.upper - known.lower) / 2,
+        }
+        if known
+        else {}
+    )
     unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in found.items())
-    return all_of(claims.of("shou2014", "printed_interval"), unlike, len(found), len(found), "numbers")
+    return all_of(
+        claims.of("shou2014", "printed_interval"), unlike, len(found), len(found), "numbers"
+    )
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
-    """Ends a sentence on the paper's time: with its ratio to ours, unless the printed time may have been misread."""
+    """Ends a sentence on the paper's time: with its ratio to ours, unless the printed time may have
+    been misread."""
     if doubtful:
         return " as it was recognised, possibly with a lost decimal point, so no ratio of times is given."
     if here is None:
         return "."
-    return (f". All pairs took {numerals.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances put that in "
-            "perspective: the same work, in compiled code on another machine.")
+    return (
+        f". All pairs took {numerals.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances put that in "
+        "perspective: the same work, in compiled code on another machine."
+    )
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:
@@ -117,20 +200,48 @@ def title_of(solver: str, label: str, tolerance: float) -> str:
     return title if tolerance > 1 else f"{title}, to {tolerance:g}".replace("e-0", "e-")
 
 
-def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], Joined], paper: dict[str, Any],
-         exact: float) -> Any:
+def draw(
+    methods: list[tuple[str, str, float]],
+    found: dict[tuple[str, float], Joined],
+    paper: dict[str, Any],
+    exact: float,
+) -> Any:
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.9 + 0.28 * (len(methods) + 1)))
     names = ["paper"]
     ax.use_sticky_edges = False
-    ax.barh(0, paper["upper"] - paper["lower"], 0.17, left=paper["lower"], facecolor="white", edgecolor="black", linewidth=0.8, zorder=2)  # open: printed
+    ax.barh(
+        0,
+        paper["upper"] - paper["lower"],
+        0.17,
+        left=paper["lower"],
+        facecolor="white",
+        edgecolor="black",
+        linewidth=0.8,
+        zorder=2,
+    )  # open: printed
     for row, (solver, label, tolerance) in enumerate(methods, start=1):
         looks, one = style.look(solver, label), found[label, tolerance]
-        ax.plot([one.lower, one.upper], [row, row], color=looks.colour, linewidth=3, solid_capstyle="butt")
+        ax.plot(
+            [one.lower, one.upper],
+            [row, row],
+            color=looks.colour,
+            linewidth=3,
+            solid_capstyle="butt",
+        )
         ax.plot([(one.lower + one.upper) / 2], [row], **style.filled_marker(looks))
         names.append(title_of(solver, label, tolerance))
     ax.axvline(exact, color="black", linewidth=0.7, linestyle=(0, (3, 2)), zorder=0)
-    as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
-                va="center", fontsize=7))
+    as_formula(
+        ax.annotate(
+            r"$H = \sqrt{43}/3 - 4/3$",
+            (exact, -0.5),
+            xytext=(-3, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=7,
+        )
+    )
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.9)
     ax.set_xlabel("Hausdorff distance H (units of the model)")

@@ -1,4 +1,5 @@
-"""The curves of `cliffs`: work and time of each solver on a family of scenes, by the ratio of two lengths of the scene."""
+"""The curves of `cliffs`: work and time of each solver on a family of scenes, by the ratio of two
+lengths of the scene."""
 
 from __future__ import annotations
 
@@ -16,8 +17,14 @@ from analysis.shared.estimates import median
 
 MOST: Final = 4.0  # a cliff is more than this many times the work at ratio 1
 FLAT: Final = 1.02  # work within this factor counts as constant
-COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
-                  "polynomial_evaluations")
+COUNTED: Final = (
+    "point_distances",
+    "point_triangle_distances",
+    "box_distances",
+    "node_visits",
+    "bound_tests",
+    "polynomial_evaluations",
+)
 ANSWERED: Final = ("ok", "floor")
 NOT_RUN: Final = ("skipped", "not_built")
 
@@ -49,7 +56,8 @@ FAMILIES: Final[dict[str, Family]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """A point of a curve. Work and seconds are NaN without an answer; work also if the solver counts none."""
+    """A point of a curve. Work and seconds are NaN without an answer; work also if the solver
+    counts none."""
 
     case: int
     ratio: float
@@ -63,16 +71,21 @@ Curves = dict[tuple[str, str], list[Row]]  # by (family, label), ascending in ra
 
 
 def place(results: Results, case: int) -> tuple[str, float]:
-    """Returns the family and the ratio of a case, from the name of its scene. Raises ResultError if it is in no family."""
+    """Returns the family and the ratio of a case, from the name of its scene. Raises ResultError if
+    it is in no family."""
     cases, scene = results.cases, results.cases.scene[case]
     if scene.endswith("_away") and scene in FAMILIES:
-        return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
+        return scene, float(
+            f"{np.linalg.norm(cases.pose[case][9:]):.3g}"
+        )  # 10^k without its rounding error
     if scene in FAMILIES and FAMILIES[scene].axis == TOLERANCE:
         return scene, 1 / float(cases.tolerance[case])
     found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
     if not found or found[1] not in FAMILIES:
-        raise ResultError(f"{results.path}: scene '{scene}' belongs to no family of analysis/speed/cliffs_curves.py: name it "
-                          "FAMILY_1eNN, with a family of the list FAMILIES there")
+        raise ResultError(
+            f"{results.path}: scene '{scene}' belongs to no family of analysis/speed/cliffs_curves.py: name it "
+            "FAMILY_1eNN, with a family of the list FAMILIES there"
+        )
     return found[1], 10.0 ** int(found[3]) if found[2] else float(found[3])
 
 
@@ -85,17 +98,34 @@ def collect(results: Results) -> Curves:
             continue
         family, ratio = place(results, case)
         answered = status in ANSWERED
-        work = sum(int(cases.counters[name][case]) for name in COUNTED if name in cases.counters) if answered else 0
-        curves.setdefault((family, cases.label[case]), []).append(Row(
-            case, ratio, float(work) if work else math.nan,
-            median(results.total_seconds(case)).value if answered else math.nan, status, origin(results, case)))
+        work = (
+            sum(int(cases.counters[name][case]) for name in COUNTED if name in cases.counters)
+            if answered
+            else 0
+        )
+        curves.setdefault((family, cases.label[case]), []).append(
+            Row(
+                case,
+                ratio,
+                float(work) if work else math.nan,
+                median(results.total_seconds(case)).value if answered else math.nan,
+                status,
+                origin(results, case),
+            )
+        )
     return {key: sorted(rows, key=lambda row: row.ratio) for key, rows in curves.items()}
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Returns `work` or `seconds` of each row / of the first row; NaN if times are not comparable."""
+    """Returns `work` or `seconds` of each row / of the first row; NaN if times are not
+    comparable."""
     values = [float(getattr(row, what)) for row in rows]
-    return [math.nan if what == "seconds" and reason_apart([row.origin, rows[0].origin]) else value / values[0] for row, value in zip(rows, values)]
+    return [
+        math.nan
+        if what == "seconds" and reason_apart([row.origin, rows[0].origin])
+        else value / values[0]
+        for row, value in zip(rows, values)
+    ]
 
 
 def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
@@ -104,7 +134,8 @@ def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
 
 
 def flat_from(rows: Sequence[Row]) -> Row | None:
-    """Returns the row from which work stays within the factor FLAT, for at least three rows; None if there is none."""
+    """Returns the row from which work stays within the factor FLAT, for at least three rows; None
+    if there is none."""
     for i in range(len(rows) - 2):
         work = [row.work for row in rows[i:]]
         if all(map(math.isfinite, work)) and max(work) <= FLAT * min(work):
@@ -115,4 +146,8 @@ def flat_from(rows: Sequence[Row]) -> Row | None:
 def power(ratio: float) -> str:
     """Formats a power of ten as '1e6', and other or smaller ratios as they are: '32'."""
     exponent = math.log10(ratio)
-    return f"1e{round(exponent)}" if ratio >= 1000 and abs(exponent - round(exponent)) < 1e-6 else f"{ratio:g}"
+    return (
+        f"1e{round(exponent)}"
+        if ratio >= 1000 and abs(exponent - round(exponent)) < 1e-6
+        else f"{ratio:g}"
+    )

@@ -18,7 +18,8 @@ ACROSS: Final = 4
 WIDE: Final = 1.46  # inches: width of a frame (TALL: height)
 TALL: Final = 0.92
 
-# Some frames show solvers of point sets and of meshes, which may share colours elsewhere. Here they get other ones.
+# Some frames show solvers of point sets and of meshes, which may share colours elsewhere. Here they
+# get other ones.
 _OTHER: Final = {"scan": ("#332288", (0, (4, 1.5, 1, 1.5)))}
 _SPLIT: Final = "#117733"  # Guthe's algorithm with another way to split
 
@@ -33,7 +34,8 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
-    """Draws a panel per family: work above, time below, over the ratio. Frames in a row share their scale.
+    """Draws a panel per family: work above, time below, over the ratio. Frames in a row share their
+    scale.
 
     Frames are placed in inches, without a layout engine, and the legend below them.
     """
@@ -42,15 +44,30 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
     figure.set_layout_engine("none")
     keys = list(FAMILIES)
-    bands = [keys[i:i + ACROSS] for i in range(0, len(keys), ACROSS)]
-    limits = [{what: scale_of([rows for (key, _), rows in curves.items() if key in band], what)
-               for what in ("work", "seconds")} for band in bands]
+    bands = [keys[i : i + ACROSS] for i in range(0, len(keys), ACROSS)]
+    limits = [
+        {
+            what: scale_of([rows for (key, _), rows in curves.items() if key in band], what)
+            for what in ("work", "seconds")
+        }
+        for band in bands
+    ]
     statuses: set[str] = set()
     for i, (key, family) in enumerate(FAMILIES.items()):
-        left, floor = 0.52 + (i % ACROSS) * (WIDE + 0.2), height - (i // ACROSS) * deep - 0.26 - 2 * TALL
+        left, floor = (
+            0.52 + (i % ACROSS) * (WIDE + 0.2),
+            height - (i // ACROSS) * deep - 0.26 - 2 * TALL,
+        )
         own = {label: curves[key, label] for _, label in labels if (key, label) in curves}
         for what, bottom in (("work", floor + TALL + 0.06), ("seconds", floor)):
-            ax = figure.add_axes((left / style.DOUBLE_COLUMN, bottom / height, WIDE / style.DOUBLE_COLUMN, TALL / height))
+            ax = figure.add_axes(
+                (
+                    left / style.DOUBLE_COLUMN,
+                    bottom / height,
+                    WIDE / style.DOUBLE_COLUMN,
+                    TALL / height,
+                )
+            )
             statuses |= draw_frame(ax, own, labels, what, limits[i // ACROSS][what])
             if i % ACROSS == 0:
                 ax.set_ylabel({"work": "relative work", "seconds": "relative time"}[what])
@@ -67,14 +84,20 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
 
 
 def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
-    """Returns the limits of the vertical axis for a row of frames, with space at the top for letters."""
+    """Returns the limits of the vertical axis for a row of frames, with space at the top for
+    letters."""
     values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
     low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
     return low, high * (high / low) ** 0.2
 
 
-def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, str]], what: str,
-               limits: tuple[float, float]) -> set[str]:
+def draw_frame(
+    ax: Any,
+    own: dict[str, list[Row]],
+    labels: Iterable[tuple[str, str]],
+    what: str,
+    limits: tuple[float, float],
+) -> set[str]:
     """Draws a line per solver, and at the top a letter for each case without an answer.
 
     Returns the statuses that these letters stand for.
@@ -90,24 +113,53 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
         if label not in own:
             continue
         rows, looks = own[label], look(solver, label)
-        known = [(row.ratio, y, row.status) for row, y in zip(rows, relative(rows, what)) if math.isfinite(y)]
-        ax.plot([x for x, _, _ in known], [y for _, y, _ in known], color=looks.colour, linestyle=looks.line,
-                linewidth=0.9, zorder=3)
+        known = [
+            (row.ratio, y, row.status)
+            for row, y in zip(rows, relative(rows, what))
+            if math.isfinite(y)
+        ]
+        ax.plot(
+            [x for x, _, _ in known],
+            [y for _, y, _ in known],
+            color=looks.colour,
+            linestyle=looks.line,
+            linewidth=0.9,
+            zorder=3,
+        )
         for x, y, status in known:
-            ax.plot([x], [y], zorder=4, clip_on=False,
-                    **(style.filled_marker(looks) if status == "ok" else style.open_marker(looks))
-                    | {"markersize": 0.75 * looks.size})
+            ax.plot(
+                [x],
+                [y],
+                zorder=4,
+                clip_on=False,
+                **(style.filled_marker(looks) if status == "ok" else style.open_marker(looks))
+                | {"markersize": 0.75 * looks.size},
+            )
         for row in rows:
             if row.status not in ANSWERED:
-                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # in points, below the panel's letter
+                letter_of_panel = (
+                    9 if what == "seconds" and row.ratio == ratios[0] else 0
+                )  # in points, below the panel's letter
                 statuses.add(row.status)
-                ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
-                            xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",
-                            fontsize=6, fontweight="bold", color=looks.colour, annotation_clip=False)
+                ax.annotate(
+                    style.status_letter(row.status),
+                    (row.ratio, 1),
+                    (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
+                    xycoords=("data", "axes fraction"),
+                    textcoords="offset points",
+                    ha="center",
+                    va="center",
+                    fontsize=6,
+                    fontweight="bold",
+                    color=looks.colour,
+                    annotation_clip=False,
+                )
                 lost[row.ratio] += 1
     if ratios:
-        ax.set_xlim(ratios[0] / 1.3 ** math.log10(10 * ratios[-1] / ratios[0]),
-                    ratios[-1] * 1.3 ** math.log10(10 * ratios[-1] / ratios[0]))
+        ax.set_xlim(
+            ratios[0] / 1.3 ** math.log10(10 * ratios[-1] / ratios[0]),
+            ratios[-1] * 1.3 ** math.log10(10 * ratios[-1] / ratios[0]),
+        )
     scales.log_ticks(ax.xaxis)
     scales.log_ticks(ax.yaxis)
     if ratios and ratios[-1] / ratios[0] < 100:  # few values, such as degrees: a tick for each
@@ -117,13 +169,34 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
     return statuses
 
 
-def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], height: float) -> None:
-    handles = [Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
-               for looks in (look(*pair) for pair in labels)]
-    legend = figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncols=ACROSS, handlelength=2.2,
-                           borderaxespad=0, fontsize=6.5)
+def add_legend(
+    figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], height: float
+) -> None:
+    handles = [
+        Line2D(
+            [],
+            [],
+            label=looks.entry,
+            **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}),
+        )
+        for looks in (look(*pair) for pair in labels)
+    ]
+    legend = figure.legend(
+        handles=handles,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 0.24 / height),
+        ncols=ACROSS,
+        handlelength=2.2,
+        borderaxespad=0,
+        fontsize=6.5,
+    )
     legend.set_in_layout(False)
     key = style.letters_key(statuses)
-    notes = [f"Each line is relative to its first point. Dashed: {MOST:g} times that.", "Open markers: precision floor.",
-             *([f"Letters: no answer ({key})."] if key else [])]
-    figure.text(0.5, 0.04 / height, "  ".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    notes = [
+        f"Each line is relative to its first point. Dashed: {MOST:g} times that.",
+        "Open markers: precision floor.",
+        *([f"Letters: no answer ({key})."] if key else []),
+    ]
+    figure.text(
+        0.5, 0.04 / height, "  ".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY
+    )

@@ -1,7 +1,9 @@
-"""Statistics of the distance against run time: relative width of the interval of `distribution` and of Monte Carlo.
+"""Statistics of the distance against run time: relative width of the interval of `distribution` and
+of Monte Carlo.
 
-`sampling` bounds the largest distance of the same pairs. Its gap is the covering radius of its samples, so its times show how long it takes
-to reach a radius. A note extrapolates them to a mean that is proven by such a radius.
+`sampling` bounds the largest distance of the same pairs. Its gap is the covering radius of its
+samples, so its times show how long it takes to reach a radius. A note extrapolates them to a mean
+that is proven by such a radius.
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ RIVAL: Final = "monte_carlo"
 SAMPLES: Final = "sampling"
 AIM: Final = 5  # the claim: Monte Carlo takes at least so many times as long
 FINE: Final = 1e-4  # at this width of the mean, relative to it
-SLOPE: Final = -0.9  # the other claim: the width falls like this power of the number of pieces, or faster; samples give -0.5
+SLOPE: Final = (
+    -0.9
+)  # the other claim: the width falls like this power of the number of pieces, or faster; samples give -0.5
 TITLES: Final = {"mean": "mean", "rms": "RMS", "quantile 0.95": "95 % quantile"}
 
 Key = tuple[str, str, float]  # scene with its statistic, label, tolerance
@@ -36,7 +40,11 @@ Key = tuple[str, str, float]  # scene with its statistic, label, tolerance
 
 def pair_of(results: Results, case: int) -> str:
     """Returns the name of the scene without the statistic that load() adds."""
-    return str(results.cases.scene[case]).removesuffix(" by number").removesuffix(f", {results.cases.statistic[case]}")
+    return (
+        str(results.cases.scene[case])
+        .removesuffix(" by number")
+        .removesuffix(f", {results.cases.statistic[case]}")
+    )
 
 
 def width(results: Results, case: int) -> float:
@@ -49,53 +57,92 @@ def cells_of(results: Results) -> dict[Key, Cell]:
     cases, found = results.cases, dict[Key, list[int]]()
     for row in range(len(cases)):
         if cases.solver[row] in (OURS, RIVAL):  # programs are drawn by statistics_programs
-            found.setdefault((str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []).append(row)
+            found.setdefault(
+                (str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []
+            ).append(row)
     return {key: Cell(results, rows) for key, rows in found.items()}
 
 
 def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
-    """Returns the geometric mean of time of the first / time of the second / `by`, with an interval over the rounds that all have."""
-    if lacking := apart(frozenset[Origin]().union(*(cell.origins for pair in pairs for cell in pair))):
+    """Returns the geometric mean of time of the first / time of the second / `by`, with an interval
+    over the rounds that all have."""
+    if lacking := apart(
+        frozenset[Origin]().union(*(cell.origins for pair in pairs for cell in pair))
+    ):
         return lacking
     rounds = [one.times.keys() & other.times.keys() for one, other in pairs]
     shared = set[int]().union(*rounds).intersection(*rounds)
     if not pairs or not shared:
         return NO_DATA
-    means = {number: [float(scipy.stats.gmean([cell.times[number] for cell in side])) for side in zip(*pairs)] for number in shared}
-    return ratio_by_round({number: one / by for number, (one, _) in means.items()}, {number: other for number, (_, other) in means.items()})
+    means = {
+        number: [
+            float(scipy.stats.gmean([cell.times[number] for cell in side])) for side in zip(*pairs)
+        ]
+        for number in shared
+    }
+    return ratio_by_round(
+        {number: one / by for number, (one, _) in means.items()},
+        {number: other for number, (_, other) in means.items()},
+    )
 
 
 def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
     """Judges the claim on the mean at FINE.
 
-    On each pair Monte Carlo counts with its narrowest interval that is at least as wide. A wider one takes less time, so the ratio is then a
-    lower bound and cannot refute the claim. A pair that one of them did not answer is left out and counted.
+    On each pair Monte Carlo counts with its narrowest interval that is at least as wide. A wider
+    one takes less time, so the ratio is then a lower bound and cannot refute the claim. A pair that
+    one of them did not answer is left out and counted.
     """
     claim = claims.of("hausbench", "statistics_monte_carlo", aim=AIM, width=f"{FINE:g}")
-    asked = [scene for scene, label, tolerance in cells if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")]
+    asked = [
+        scene
+        for scene, label, tolerance in cells
+        if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")
+    ]
     answered, widths = list[tuple[Cell, Cell]](), list[float]()
     for scene in asked:
-        ours = next(cell for (name, label, tolerance), cell in cells.items() if (name, label) == (scene, OURS) and np.isclose(tolerance, FINE))
-        rival = {tolerance: cell for (name, label, tolerance), cell in cells.items()
-                 if (name, label) == (scene, RIVAL) and tolerance >= 0.99 * FINE and not cell.failures}
+        ours = next(
+            cell
+            for (name, label, tolerance), cell in cells.items()
+            if (name, label) == (scene, OURS) and np.isclose(tolerance, FINE)
+        )
+        rival = {
+            tolerance: cell
+            for (name, label, tolerance), cell in cells.items()
+            if (name, label) == (scene, RIVAL) and tolerance >= 0.99 * FINE and not cell.failures
+        }
         if rival and not ours.failures:
             widths.append(min(rival))
             answered.append((rival[min(rival)], ours))
     if not answered:
         return Verdict(claim, UNTESTED, f"no pair answered at {FINE:g}")
-    verdict, unended, bound = above_one(claim, mean_ratio(answered, AIM)), len(asked) - len(answered), max(widths) > 1.01 * FINE
+    verdict, unended, bound = (
+        above_one(claim, mean_ratio(answered, AIM)),
+        len(asked) - len(answered),
+        max(widths) > 1.01 * FINE,
+    )
     evidence = f"{'at least ' * bound}{numerals.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
     if bound:
         evidence += f"; Monte Carlo was run to a width of {max(widths):g}, which takes less time"
     if unended:
         evidence += f"; no ratio for {unended} that one of them did not answer"
-    return replace(verdict, outcome=OPEN if bound and verdict.outcome == FAILS else verdict.outcome, evidence=evidence)
+    return replace(
+        verdict,
+        outcome=OPEN if bound and verdict.outcome == FAILS else verdict.outcome,
+        evidence=evidence,
+    )
 
 
 def slope(results: Results, scene: str) -> tuple[float, float, float] | None:
-    """Fits log(width) against log(pieces) over the tolerances of a scene. Returns the slope with its interval of 95 %; None for fewer than three."""
-    points = {(int(results.extras(row)["pieces"]), width(results, row)) for row in results.rows(scene=scene, solver=OURS)
-              if results.is_bounded(row) and width(results, row) > 0 and results.extras(row).get("pieces", 0) > 0}
+    """Fits log(width) against log(pieces) over the tolerances of a scene. Returns the slope with
+    its interval of 95 %; None for fewer than three."""
+    points = {
+        (int(results.extras(row)["pieces"]), width(results, row))
+        for row in results.rows(scene=scene, solver=OURS)
+        if results.is_bounded(row)
+        and width(results, row) > 0
+        and results.extras(row).get("pieces", 0) > 0
+    }
     if len({pieces for pieces, _ in points}) < 3:
         return None
     fit = scipy.stats.linregress(*np.log(np.array(sorted(points))).T)
@@ -104,46 +151,111 @@ def slope(results: Results, scene: str) -> tuple[float, float, float] | None:
 
 
 def judge_slopes(results: Results) -> Verdict:
-    """Judges that the mean's width falls like pieces^SLOPE or faster on every pair: 'holds' if every interval is below SLOPE, 'does not hold' if one is above."""
+    """Judges that the mean's width falls like pieces^SLOPE or faster on every pair: 'holds' if
+    every interval is below SLOPE, 'does not hold' if one is above."""
     claim = claims.of("hausbench", "statistics_exponent", most=SLOPE)
-    found = [fit for scene in results.scenes if scene.endswith(", mean") and (fit := slope(results, scene))]
+    found = [
+        fit
+        for scene in results.scenes
+        if scene.endswith(", mean") and (fit := slope(results, scene))
+    ]
     if not found:
         return Verdict(claim, UNTESTED, "no pair has three widths")
-    below, above = (sum(chosen) for chosen in ([high < SLOPE for *_, high in found], [low > SLOPE for _, low, _ in found]))
+    below, above = (
+        sum(chosen)
+        for chosen in ([high < SLOPE for *_, high in found], [low > SLOPE for _, low, _ in found])
+    )
     outcome = FAILS if above else HOLDS if below == len(found) else OPEN
     slopes = sorted(value for value, *_ in found)
-    return Verdict(claim, outcome, f"below for {below} of {len(found)} pairs, above for {above}; slopes {slopes[0]:.2f} to {slopes[-1]:.2f}")
+    return Verdict(
+        claim,
+        outcome,
+        f"below for {below} of {len(found)} pairs, above for {above}; slopes {slopes[0]:.2f} to {slopes[-1]:.2f}",
+    )
 
 
 def make(results: Results) -> Report:
     cases, cells = results.cases, cells_of(results)
     scenes = list(dict.fromkeys(scene for scene, *_ in cells))
-    table = tables.Table("Time to prepare and solve, ms, until the interval of a statistic has the asked width relative to its value; samples or pieces; and how "
-                         "many times as long Monte Carlo takes. Its intervals hold with 95 %, the others always.",
-                         ["pair", "statistic", "value / diagonal", "asked", style.title(OURS), "pieces", style.title(RIVAL), "samples", "times"], left=2)
+    table = tables.Table(
+        "Time to prepare and solve, ms, until the interval of a statistic has the asked width relative to its value; samples or pieces; and how "
+        "many times as long Monte Carlo takes. Its intervals hold with 95 %, the others always.",
+        [
+            "pair",
+            "statistic",
+            "value / diagonal",
+            "asked",
+            style.title(OURS),
+            "pieces",
+            style.title(RIVAL),
+            "samples",
+            "times",
+        ],
+        left=2,
+    )
     records: list[tables.Record] = []
     for scene in scenes:
         first = results.rows(scene=scene)[0]
-        tolerances = sorted({tolerance for name, _, tolerance in cells if name == scene}, reverse=True)
+        tolerances = sorted(
+            {tolerance for name, _, tolerance in cells if name == scene}, reverse=True
+        )
         table.rules.add(len(table.rows))
         for i, tolerance in enumerate(tolerances):
             ours, rival = cells.get((scene, OURS, tolerance)), cells.get((scene, RIVAL, tolerance))
             ratio = compare(rival, ours) if ours and rival else NO_DATA
-            head = [pair_of(results, first), TITLES.get(cases.statistic[first], cases.statistic[first]), numerals.number(results.share(first))]
-            table.rows.append([*(head if i == 0 else ["", "", ""]), numerals.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
-                               text(rival), counted(results, rival, "samples"), numerals.estimate(ratio)])
+            head = [
+                pair_of(results, first),
+                TITLES.get(cases.statistic[first], cases.statistic[first]),
+                numerals.number(results.share(first)),
+            ]
+            table.rows.append(
+                [
+                    *(head if i == 0 else ["", "", ""]),
+                    numerals.number(tolerance, 1),
+                    text(ours),
+                    counted(results, ours, "pieces"),
+                    text(rival),
+                    counted(results, rival, "samples"),
+                    numerals.estimate(ratio),
+                ]
+            )
         for row in results.rows(scene=scene):
             if cases.solver[row] not in (OURS, RIVAL):
                 continue
             cell = cells[scene, str(cases.label[row]), float(cases.tolerance[row])]
-            records.append({"pair": pair_of(results, row), "statistic": cases.statistic[row], "solver": cases.solver[row], "tolerance": float(cases.tolerance[row]),
-                            "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
-                            **tables.seconds(cell.time), **{name: value for name, value in results.extras(row).items() if name in ("pieces", "samples")}})
+            records.append(
+                {
+                    "pair": pair_of(results, row),
+                    "statistic": cases.statistic[row],
+                    "solver": cases.solver[row],
+                    "tolerance": float(cases.tolerance[row]),
+                    "status": cases.status[row],
+                    "lower": float(cases.lower[row]),
+                    "upper": float(cases.upper[row]),
+                    "relative_width": width(results, row),
+                    **tables.seconds(cell.time),
+                    **{
+                        name: value
+                        for name, value in results.extras(row).items()
+                        if name in ("pieces", "samples")
+                    },
+                }
+            )
     table.verdicts = [judge(results, cells), judge_slopes(results)]
-    table.notes += [*crossings(results, cells), *extrapolated_rival(results, cells), *extrapolated(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
-    caption = ("Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
-               "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always.")
-    return Report(lambda: draw(results, cells), table, records, caption=caption, clock=clock_note(results))
+    table.notes += [
+        *crossings(results, cells),
+        *extrapolated_rival(results, cells),
+        *extrapolated(results, cells),
+        f"{tables.coverage_note(cell.time for cell in cells.values())}",
+        f"{machine_line(results)}.",
+    ]
+    caption = (
+        "Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
+        "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always."
+    )
+    return Report(
+        lambda: draw(results, cells), table, records, caption=caption, clock=clock_note(results)
+    )
 
 
 def text(cell: Cell | None) -> str:
@@ -157,7 +269,8 @@ def counted(results: Results, cell: Cell | None, name: str) -> str:
 
 
 def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
-    """Returns a note on the widths at which the two solvers take the same time, by the lines of the figure."""
+    """Returns a note on the widths at which the two solvers take the same time, by the lines of the
+    figure."""
     found = []
     for statistic in statistics_of(results):
         ours, rival = (line(results, cells, statistic, label) for label in (OURS, RIVAL))
@@ -167,22 +280,41 @@ def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
             if a < 0 <= b:
                 at = np.exp(np.log(t) + (np.log(u) - np.log(t)) * -a / (b - a))
                 found.append(f"{TITLES.get(statistic, statistic)}: {numerals.number(float(at), 2)}")
-    return [f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."] if found else []
+    return (
+        [
+            f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."
+        ]
+        if found
+        else []
+    )
 
 
 def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
-    """Returns a note that compares the times of OURS with the times in which samples would prove the mean by their covering radius.
+    """Returns a note that compares the times of OURS with the times in which samples would prove
+    the mean by their covering radius.
 
-    Fits a power of the radius to the times of SAMPLES on each pair, and follows it from the finest samples to a radius equal to the finest
-    width of OURS. This favours the samples: a radius r proves the mean only to a width of 2 r. Skips pairs whose mean is 0.
+    Fits a power of the radius to the times of SAMPLES on each pair, and follows it from the finest
+    samples to a radius equal to the finest width of OURS. This favours the samples: a radius r
+    proves the mean only to a width of 2 r. Skips pairs whose mean is 0.
     """
-    factors, powers, finest = list[float](), list[float](), min((tolerance for _, label, tolerance in cells if label == OURS), default=0.0)
+    factors, powers, finest = (
+        list[float](),
+        list[float](),
+        min((tolerance for _, label, tolerance in cells if label == OURS), default=0.0),
+    )
     for (scene, label, tolerance), ours in cells.items():
         if label != OURS or tolerance != finest or not scene.endswith(", mean") or ours.failures:
             continue
         radius = finest * results.middle(ours.cases[0])
-        rows = [row for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES, status="ok") if results.gap(row) > 0]
-        points = sorted((results.gap(row), float(np.median(list(results.total_by_round(row).values())))) for row in rows)
+        rows = [
+            row
+            for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES, status="ok")
+            if results.gap(row) > 0
+        ]
+        points = sorted(
+            (results.gap(row), float(np.median(list(results.total_by_round(row).values()))))
+            for row in rows
+        )
         if len({gap for gap, _ in points}) < 3 or not radius > 0:
             continue
         powers.append(float(scipy.stats.linregress(*np.log(np.array(points)).T).slope))
@@ -190,21 +322,34 @@ def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
         factors.append(time * (radius / gap) ** powers[-1] / ours.time.value)
     if not factors:
         return []
-    return [f"Samples prove a mean only to within their covering radius. The gap of {style.title(SAMPLES)} is this radius, and its time grows like radius^{max(powers):.2f} to "
-            f"radius^{min(powers):.2f}. Extrapolated to a radius of {finest:g} times the mean, it takes about {scipy.stats.gmean(factors):.0e} times as long as {style.title(OURS)} takes for a width of "
-            f"{finest:g} (geometric mean over {len(factors)} pairs; {min(factors):.0e} to {max(factors):.0e})."]
+    return [
+        f"Samples prove a mean only to within their covering radius. The gap of {style.title(SAMPLES)} is this radius, and its time grows like radius^{max(powers):.2f} to "
+        f"radius^{min(powers):.2f}. Extrapolated to a radius of {finest:g} times the mean, it takes about {scipy.stats.gmean(factors):.0e} times as long as {style.title(OURS)} takes for a width of "
+        f"{finest:g} (geometric mean over {len(factors)} pairs; {min(factors):.0e} to {max(factors):.0e})."
+    ]
 
 
 def extrapolated_rival(results: Results, cells: dict[Key, Cell]) -> list[str]:
-    """Returns a note on the time that RIVAL would take for the mean at FINE, if it was run to wider intervals alone.
+    """Returns a note on the time that RIVAL would take for the mean at FINE, if it was run to wider
+    intervals alone.
 
-    Fits a power of the width to its two narrowest intervals on each pair, and follows it from the narrower one.
+    Fits a power of the width to its two narrowest intervals on each pair, and follows it from the
+    narrower one.
     """
     factors, powers = list[float](), list[float]()
     for (scene, label, tolerance), ours in cells.items():
-        if label != OURS or not np.isclose(tolerance, FINE) or not scene.endswith(", mean") or ours.failures:
+        if (
+            label != OURS
+            or not np.isclose(tolerance, FINE)
+            or not scene.endswith(", mean")
+            or ours.failures
+        ):
             continue
-        times = {asked: cell.time.value for (name, of, asked), cell in cells.items() if (name, of) == (scene, RIVAL) and not cell.failures and cell.time.n}
+        times = {
+            asked: cell.time.value
+            for (name, of, asked), cell in cells.items()
+            if (name, of) == (scene, RIVAL) and not cell.failures and cell.time.n
+        }
         if len(times) < 2 or min(times) < 1.01 * FINE:
             continue
         narrow, wide = sorted(times)[:2]
@@ -212,22 +357,31 @@ def extrapolated_rival(results: Results, cells: dict[Key, Cell]) -> list[str]:
         factors.append(times[narrow] * (FINE / narrow) ** powers[-1] / ours.time.value)
     if not factors:
         return []
-    return [f"The time of {style.title(RIVAL)} grows like width^{max(powers):.2f} to width^{min(powers):.2f}. Extrapolated to a width of {FINE:g}, it takes the mean about "
-            f"{numerals.number(float(scipy.stats.gmean(factors)), 2)} times as long as {style.title(OURS)} (geometric mean over {len(factors)} pairs; {numerals.number(min(factors), 2)} to "
-            f"{numerals.number(max(factors), 2)})."]
+    return [
+        f"The time of {style.title(RIVAL)} grows like width^{max(powers):.2f} to width^{min(powers):.2f}. Extrapolated to a width of {FINE:g}, it takes the mean about "
+        f"{numerals.number(float(scipy.stats.gmean(factors)), 2)} times as long as {style.title(OURS)} (geometric mean over {len(factors)} pairs; {numerals.number(min(factors), 2)} to "
+        f"{numerals.number(max(factors), 2)})."
+    ]
 
 
 def statistics_of(results: Results) -> list[str]:
     """Returns the names of the statistics; rows of SAMPLES have none."""
-    return [statistic for statistic in dict.fromkeys(map(str, results.cases.statistic)) if statistic]
+    return [
+        statistic for statistic in dict.fromkeys(map(str, results.cases.statistic)) if statistic
+    ]
 
 
-def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -> dict[float, float]:
-    """Returns the geometric mean of the times over all pairs, by tolerance; only tolerances that every pair reached."""
+def line(
+    results: Results, cells: dict[Key, Cell], statistic: str, label: str
+) -> dict[float, float]:
+    """Returns the geometric mean of the times over all pairs, by tolerance; only tolerances that
+    every pair reached."""
     scenes = [scene for scene in results.scenes if scene.endswith(f", {statistic}")]
     times = dict[float, float]()
     for tolerance in {tolerance for scene, name, tolerance in cells if name == label}:
-        known = [cells[scene, label, tolerance] for scene in scenes if (scene, label, tolerance) in cells]
+        known = [
+            cells[scene, label, tolerance] for scene in scenes if (scene, label, tolerance) in cells
+        ]
         if len(known) == len(scenes) and not any(cell.failures for cell in known):
             times[tolerance] = float(scipy.stats.gmean([cell.time.value for cell in known]))
     return times
@@ -236,17 +390,41 @@ def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -
 def draw(results: Results, cells: dict[Key, Cell]) -> Any:
     cases = results.cases
     statistics = statistics_of(results)
-    labels = style.order((solver, label) for solver, label in zip(cases.solver, cases.label) if solver in (OURS, RIVAL))
-    figure, axes = plt.subplots(1, len(statistics), figsize=(style.DOUBLE_COLUMN, 2.4), sharex=True, sharey=True, squeeze=False)
+    labels = style.order(
+        (solver, label)
+        for solver, label in zip(cases.solver, cases.label)
+        if solver in (OURS, RIVAL)
+    )
+    figure, axes = plt.subplots(
+        1,
+        len(statistics),
+        figsize=(style.DOUBLE_COLUMN, 2.4),
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
     for ax, statistic in zip(axes[0], statistics):
         for solver, label in labels:
             looks = style.look(solver, label)
             for scene in [scene for scene in results.scenes if scene.endswith(f", {statistic}")]:
-                points = sorted((tolerance, cell.time.value) for (name, of, tolerance), cell in cells.items()
-                                if name == scene and of == label and not cell.failures and cell.time.n)
-                ax.plot([time for _, time in points], [tolerance for tolerance, _ in points], color=looks.colour, linewidth=0.5, alpha=0.4)
+                points = sorted(
+                    (tolerance, cell.time.value)
+                    for (name, of, tolerance), cell in cells.items()
+                    if name == scene and of == label and not cell.failures and cell.time.n
+                )
+                ax.plot(
+                    [time for _, time in points],
+                    [tolerance for tolerance, _ in points],
+                    color=looks.colour,
+                    linewidth=0.5,
+                    alpha=0.4,
+                )
             mean = sorted(line(results, cells, statistic, label).items())
-            ax.plot([time for _, time in mean], [tolerance for tolerance, _ in mean], **style.filled_marker(looks) | {"linestyle": "-", "linewidth": 1.4})
+            ax.plot(
+                [time for _, time in mean],
+                [tolerance for tolerance, _ in mean],
+                **style.filled_marker(looks) | {"linestyle": "-", "linewidth": 1.4},
+            )
         ax.set_xscale("log")
         ax.set_yscale("log")
         ax.set_title(TITLES.get(statistic, statistic))

@@ -1,4 +1,5 @@
-"""Times, gaps and true errors of answers and traced bounds, for `error_vs_time`. Lengths are in diagonals of A."""
+"""Times, gaps and true errors of answers and traced bounds, for `error_vs_time`. Lengths are in
+diagonals of A."""
 
 from __future__ import annotations
 
@@ -15,9 +16,13 @@ from analysis.shared.estimates import Estimate, median
 ROUNDING: Final = 2.0**-53  # smaller lengths are below the rounding of coordinates
 FINER: Final = 0.01  # gaps below this fraction of the finest tolerance are not distinguished
 LEAST_SHOWN: Final = 1e-10  # but gaps above this always are
-# Parameters that set the accuracy of a solver in place of the tolerance; answers at their values form one line.
-RESOLUTION: Final[Mapping[str, frozenset[str]]] = {"sampling": frozenset({"step", "samples"}), "interval_subdivision": frozenset({"depth"}),
-                                                   "surface_meshes": frozenset({"cells"})}
+# Parameters that set the accuracy of a solver in place of the tolerance; answers at their values
+# form one line.
+RESOLUTION: Final[Mapping[str, frozenset[str]]] = {
+    "sampling": frozenset({"step", "samples"}),
+    "interval_subdivision": frozenset({"depth"}),
+    "surface_meshes": frozenset({"cells"}),
+}
 Panel = tuple[str, int]  # scene, pose
 Series = tuple[str, str]  # solver, and its label with swept parameters, except seeds and RESOLUTION
 
@@ -56,10 +61,15 @@ class Curve:
 
 
 def _parts(results: Results, case: int, keep: bool) -> str:
-    """Returns the swept parameters that are a resolution if `keep`, else those that are neither a resolution nor a seed."""
+    """Returns the swept parameters that are a resolution if `keep`, else those that are neither a
+    resolution nor a seed."""
     resolution = RESOLUTION.get(results.cases.solver[case], frozenset())
     parts = [part for part in str(results.cases.variant[case]).split(", ") if part]
-    return ", ".join(part for part in parts if (name := part.partition("=")[0]) != "seed" and (name in resolution) == keep)
+    return ", ".join(
+        part
+        for part in parts
+        if (name := part.partition("=")[0]) != "seed" and (name in resolution) == keep
+    )
 
 
 def series_of(results: Results, case: int) -> Series:
@@ -79,17 +89,28 @@ def joined(series: Series) -> bool:
 
 
 def traced_row(results: Results, case: int) -> int | None:
-    """Finds the row with a trace of the same solver, parameters and shapes, at the finest tolerance."""
+    """Finds the row with a trace of the same solver, parameters and shapes, at the finest
+    tolerance."""
     cases = results.cases
-    same = results.rows(scene=cases.scene[case], pose_index=cases.pose_index[case], solver=cases.solver[case], label=cases.label[case],
-                        variant=cases.variant[case], quantity=cases.quantity[case])
+    same = results.rows(
+        scene=cases.scene[case],
+        pose_index=cases.pose_index[case],
+        solver=cases.solver[case],
+        label=cases.label[case],
+        variant=cases.variant[case],
+        quantity=cases.quantity[case],
+    )
     traced = [row for row in same if cases.trace_end[row] > cases.trace_begin[row]]
     return min(traced, key=lambda row: float(cases.tolerance[row])) if traced else None
 
 
 def read_off_from(results: Results, case: int) -> int | None:
     """Finds the traced run from which this row was read off; None for a row that was run itself."""
-    if not results.cases.from_trace[case] or (results.answers.case == case).any() or len(results.repeats_of(case)):
+    if (
+        not results.cases.from_trace[case]
+        or (results.answers.case == case).any()
+        or len(results.repeats_of(case))
+    ):
         return None
     fine = traced_row(results, case)
     return fine if fine is not None and results.first_by_round(fine) else None
@@ -98,20 +119,27 @@ def read_off_from(results: Results, case: int) -> int | None:
 def total_by_round(results: Results, case: int) -> dict[int, float]:
     """Returns the seconds to prepare and answer, by round.
 
-    Tracing costs time. An answer that was read off a trace therefore gets the time of each untraced run, multiplied by
-    the share of the traced run after which it was reached.
+    Tracing costs time. An answer that was read off a trace therefore gets the time of each untraced
+    run, multiplied by the share of the traced run after which it was reached.
     """
     fine = read_off_from(results, case)
     if fine is None:
         return results.total_by_round(case)
     share = min(1.0, float(results.cases.solve_seconds[case] / results.trace_of(fine).seconds[-1]))
     before, usual = results.prepare_by_round(fine), results.prepare_seconds(fine)
-    return {number: before.get(number, usual) + share * seconds for number, seconds in results.first_by_round(fine).items()}
+    return {
+        number: before.get(number, usual) + share * seconds
+        for number, seconds in results.first_by_round(fine).items()
+    }
 
 
 def times_of(results: Results) -> dict[int, Estimate]:
     """Returns the time to prepare and answer, for all rows with bounds."""
-    return {case: median(list(total_by_round(results, case).values())) for case in range(len(results.cases)) if results.is_bounded(case)}
+    return {
+        case: median(list(total_by_round(results, case).values()))
+        for case in range(len(results.cases))
+        if results.is_bounded(case)
+    }
 
 
 def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
@@ -124,7 +152,8 @@ def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
 
 
 def curve_of(results: Results, case: int) -> Curve:
-    """Returns the trace of a row, its times scaled to end at the median of untraced runs, so that tracing costs nothing."""
+    """Returns the trace of a row, its times scaled to end at the median of untraced runs, so that
+    tracing costs nothing."""
     trace, first = results.trace_of(case), list(results.first_by_round(case).values())
     end = float(trace.seconds[-1])
     scale = float(np.median(first)) / end if first and end > 0 else 1.0
@@ -134,11 +163,16 @@ def curve_of(results: Results, case: int) -> Curve:
 
 
 def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]]:
-    """Returns the traces of each series at its finest tolerance, one per seed. Series with a resolution have none."""
+    """Returns the traces of each series at its finest tolerance, one per seed. Series with a
+    resolution have none."""
     finest: dict[tuple[Series, str], int] = {}
     for row in rows:
         series = series_of(results, row)
-        if joined(series) or results.cases.status[row] == "unsound" or results.cases.trace_end[row] <= results.cases.trace_begin[row]:
+        if (
+            joined(series)
+            or results.cases.status[row] == "unsound"
+            or results.cases.trace_end[row] <= results.cases.trace_begin[row]
+        ):
             continue
         old = finest.setdefault((series, results.names[row]), row)
         if results.cases.tolerance[row] < results.cases.tolerance[old]:
@@ -152,44 +186,62 @@ def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]
 
 
 def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
-    """Returns the markers of a panel. If answers at several tolerances are equal, only the finest is returned."""
+    """Returns the markers of a panel. If answers at several tolerances are equal, only the finest
+    is returned."""
     cases = results.cases
     groups: dict[tuple[Series, str, float], list[int]] = {}
     for row in rows:
         if results.is_bounded(row) and total_by_round(results, row):
-            groups.setdefault((series_of(results, row), resolution_of(results, row), float(cases.tolerance[row])), []).append(row)
+            groups.setdefault(
+                (series_of(results, row), resolution_of(results, row), float(cases.tolerance[row])),
+                [],
+            ).append(row)
     found: dict[tuple[Series, str, float, float], Answer] = {}
     for (series, resolution, _), same in sorted(groups.items(), key=lambda group: group[0][2]):
         case = same[0]
         gap, time = results.gap(case) / results.length_unit(case), over_seeds(results, same)
         read_off = read_off_from(results, case) is not None
         ok = all(cases.status[row] == "ok" for row in same)
-        found.setdefault((series, resolution, gap, time.value), Answer(series, case, resolution, time, gap, ok, read_off, cases.certified[case] == 1))
+        found.setdefault(
+            (series, resolution, gap, time.value),
+            Answer(series, case, resolution, time, gap, ok, read_off, cases.certified[case] == 1),
+        )
     return list(found.values())
 
 
 def errors(results: Results, case: int, lower: Floats, upper: Floats) -> Errors:
     """Returns the errors of these bounds and of their middle.
 
-    NaN if no certified solver has an answer. Without an upper bound, its error and the middle's are infinite.
+    NaN if no certified solver has an answer. Without an upper bound, its error and the middle's are
+    infinite.
     """
     size, true = results.length_unit(case), results.middle(case)
-    return Errors(np.abs(true - lower) / size, np.abs(0.5 * (lower + upper) - true) / size, np.abs(upper - true) / size)
+    return Errors(
+        np.abs(true - lower) / size,
+        np.abs(0.5 * (lower + upper) - true) / size,
+        np.abs(upper - true) / size,
+    )
 
 
 def errors_of(results: Results, case: int) -> Errors:
     """Returns the errors of the bounds of a row."""
-    return errors(results, case, np.array([results.cases.lower[case]]), np.array([results.cases.upper[case]]))
+    return errors(
+        results, case, np.array([results.cases.lower[case]]), np.array([results.cases.upper[case]])
+    )
 
 
 def least_shown(results: Results) -> float:
     """Returns the gap below which all gaps are drawn at the same height."""
-    asked = [results.cases.tolerance_absolute[case] / results.length_unit(case) for case in range(len(results.cases))]
+    asked = [
+        results.cases.tolerance_absolute[case] / results.length_unit(case)
+        for case in range(len(results.cases))
+    ]
     return float(max(ROUNDING, min(FINER * np.min(asked, initial=np.inf), LEAST_SHOWN)))
 
 
 def reference_width(results: Results, case: int) -> float:
-    """Returns half the width of the reference, below which errors cannot be told from 0. Returns 0 without a reference."""
+    """Returns half the width of the reference, below which errors cannot be told from 0. Returns 0
+    without a reference."""
     low, high = results.reference_of(case)
     return float(np.nan_to_num(0.5 * (high - low) / results.length_unit(case)))
 
@@ -201,7 +253,8 @@ def steps_at(times: Floats, seconds: Floats, values: Floats) -> Floats:
 
 
 def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Returns times, and minimum, median and maximum of several step functions there, beginning when all have a value."""
+    """Returns times, and minimum, median and maximum of several step functions there, beginning
+    when all have a value."""
     times = np.unique(np.concatenate([seconds for seconds, _ in lines]))
     values = np.array([steps_at(times, *line) for line in lines])
     times, values = times[known := ~np.isnan(values).any(axis=0)], values[:, known]
@@ -211,11 +264,16 @@ def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Fl
 
 
 def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
-    """Returns the Pareto front of the certified answers, up to their last time: ascending times, falling gaps.
+    """Returns the Pareto front of the certified answers, up to their last time: ascending times,
+    falling gaps.
 
     Gaps below `least` count as `least`.
     """
-    points = sorted((answer.time.value, max(answer.gap, least)) for answer in answers if answer.certified and np.isfinite(answer.gap))
+    points = sorted(
+        (answer.time.value, max(answer.gap, least))
+        for answer in answers
+        if answer.certified and np.isfinite(answer.gap)
+    )
     front: list[tuple[float, float]] = []
     for seconds, gap in points:
         if not front or gap < front[-1][1]:
@@ -226,7 +284,8 @@ def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
 
 
 def tracing_cost(results: Results, case: int) -> float:
-    """Returns the relative cost of tracing: traced run / untraced repeats of its process - 1; NaN if one is missing."""
+    """Returns the relative cost of tracing: traced run / untraced repeats of its process - 1; NaN
+    if one is missing."""
     trace = results.trace_of(case)
     rows = [row for row in results.repeats_of(case) if results.repeats.round[row] == 0]
     if not rows or not len(trace.seconds):

@@ -14,8 +14,14 @@ from analysis.stability.stability_outcomes import STOPS, Judge, Outcome, judge
 from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
 
 KINDS: Final = ("points", "meshes", "surfaces")
-_KIND_OF: Final = {"points": "points", "mesh": "meshes", "surface": "surfaces"}  # by the kind of a model
-AS_PRINTED: Final = {solver: looks for solver, looks in BESIDE_PRINTED.items() if solver.endswith("_as_printed")}
+_KIND_OF: Final = {
+    "points": "points",
+    "mesh": "meshes",
+    "surface": "surfaces",
+}  # by the kind of a model
+AS_PRINTED: Final = {
+    solver: looks for solver, looks in BESIDE_PRINTED.items() if solver.endswith("_as_printed")
+}
 Label = tuple[str, str]  # a solver, and its name in the rows
 
 
@@ -53,7 +59,9 @@ class Family:
     @cached_property
     def tolerances(self) -> list[float]:
         """All tolerances, the coarsest first."""
-        return sorted({tolerance for own in self.answers.values() for _, tolerance in own}, reverse=True)
+        return sorted(
+            {tolerance for own in self.answers.values() for _, tolerance in own}, reverse=True
+        )
 
     @property
     def title(self) -> str:
@@ -67,8 +75,13 @@ class Family:
         return list(self.answers.get(label, {}).values())
 
     def asked(self, label: str) -> list[Answer]:
-        """Returns the answers of a solver, without those that are not applicable or were not run."""
-        return [answer for answer in self.of(label) if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
+        """Returns the answers of a solver, without those that are not applicable or were not
+        run."""
+        return [
+            answer
+            for answer in self.of(label)
+            if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)
+        ]
 
     def outcome(self, label: str, step: Step, tolerance: float) -> Outcome:
         """Returns the outcome; NOT_RUN if the experiment has no such row."""
@@ -76,7 +89,8 @@ class Family:
         return answer.outcome if answer else Outcome.NOT_RUN
 
     def mark(self, label: str, step: Step, tolerance: float) -> tuple[Outcome, str]:
-        """Returns the outcome and its letter in figures; NOT_RUN if the experiment has no such row."""
+        """Returns the outcome and its letter in figures; NOT_RUN if the experiment has no such
+        row."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return (answer.outcome, answer.letter) if answer else (Outcome.NOT_RUN, "")
 
@@ -95,28 +109,46 @@ class Suite:
         self.results, self.judge = results, Judge(results)
         rows: dict[tuple[str, str], list[int]] = {}
         for row, kind in enumerate(self._kinds()):
-            rows.setdefault((str(results.cases.family[row]) or self._scene(row), kind), []).append(row)
-        self._takes = {(str(results.names[row]), kind) for row, kind in enumerate(self._kinds())
-                       if self.judge.ending(row).legal and judge(self.judge.ending(row)) != Outcome.NOT_APPLICABLE}
+            rows.setdefault((str(results.cases.family[row]) or self._scene(row), kind), []).append(
+                row
+            )
+        self._takes = {
+            (str(results.names[row]), kind)
+            for row, kind in enumerate(self._kinds())
+            if self.judge.ending(row).legal
+            and judge(self.judge.ending(row)) != Outcome.NOT_APPLICABLE
+        }
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
 
     def _kinds(self) -> list[str]:
         """Returns the kind of shapes of each row.
 
-        If a model could not be read, for example invalid input, this is the kind of its family, or else of the row before.
+        If a model could not be read, for example invalid input, this is the kind of its family, or
+        else of the row before.
         """
-        cases, models = self.results.cases, dict(zip(self.results.models.name, self.results.models.kind))
+        cases, models = self.results.cases, dict(
+            zip(self.results.models.name, self.results.models.kind)
+        )
         known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
-        of_family = {str(family): kind for family, kind in zip(cases.family, known) if family and kind}
+        of_family = {
+            str(family): kind for family, kind in zip(cases.family, known) if family and kind
+        }
         found: list[str] = []
         for row, kind in enumerate(known):
-            found.append(kind or of_family.get(str(cases.family[row])) or (found[-1] if found else KINDS[0]))
+            found.append(
+                kind or of_family.get(str(cases.family[row])) or (found[-1] if found else KINDS[0])
+            )
         return found
 
     def _scene(self, row: int) -> str:
-        """Returns the name of the scene without the statistic that load() adds: all statistics of a scene are one step."""
+        """Returns the name of the scene without the statistic that load() adds: all statistics of a
+        scene are one step."""
         cases = self.results.cases
-        return str(cases.scene[row]).removesuffix(f", {cases.statistic[row]}") if cases.statistic[row] else str(cases.scene[row])
+        return (
+            str(cases.scene[row]).removesuffix(f", {cases.statistic[row]}")
+            if cases.statistic[row]
+            else str(cases.scene[row])
+        )
 
     def _family(self, name: str, kind: str, rows: Sequence[int]) -> Family:
         cases = self.results.cases
@@ -125,15 +157,29 @@ class Suite:
         answers: dict[str, dict[tuple[Step, float], Answer]] = {}
         for row in rows:
             step = (self._scene(row), int(cases.pose_index[row]))
-            answers.setdefault(str(self.results.names[row]), {})[step, float(cases.tolerance[row])] = self._answer(row, kind)
-        return Family(name, kind, steps, [float(cases.severity[first[step]]) for step in steps], answers)
+            answers.setdefault(str(self.results.names[row]), {})[
+                step, float(cases.tolerance[row])
+            ] = self._answer(row, kind)
+        return Family(
+            name, kind, steps, [float(cases.severity[first[step]]) for step in steps], answers
+        )
 
     def _answer(self, row: int, kind: str) -> Answer:
         cases, ending = self.results.cases, self.judge.ending(row)
-        # Invalid input is refused for all solvers, so those that do not accept such shapes are sorted out here.
+        # Invalid input is refused for all solvers, so those that do not accept such shapes are
+        # sorted out here.
         asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
-        return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
-                      judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal, ending.status)
+        return Answer(
+            row,
+            str(self.results.names[row]),
+            float(cases.severity[row]),
+            float(cases.tolerance[row]),
+            ending.certified,
+            judge(ending) if asked else Outcome.NOT_APPLICABLE,
+            self.judge.can_be_met(row),
+            ending.legal,
+            ending.status,
+        )
 
     @cached_property
     def labels(self) -> list[Label]:
@@ -142,21 +188,40 @@ class Suite:
 
     @cached_property
     def answers(self) -> list[Answer]:
-        return sorted((answer for family in self.families for own in family.answers.values() for answer in own.values()),
-                      key=lambda answer: answer.row)
+        return sorted(
+            (
+                answer
+                for family in self.families
+                for own in family.answers.values()
+                for answer in own.values()
+            ),
+            key=lambda answer: answer.row,
+        )
 
     @cached_property
     def family_of(self) -> dict[int, Family]:
         """The family of each row."""
-        return {answer.row: family for family in self.families for own in family.answers.values() for answer in own.values()}
+        return {
+            answer.row: family
+            for family in self.families
+            for own in family.answers.values()
+            for answer in own.values()
+        }
 
     def of_kind(self, kind: str) -> list[Family]:
         return [family for family in self.families if family.kind == kind]
 
     def labels_of(self, kind: str) -> list[Label]:
         """Returns the solvers that accept shapes of this kind: some row is not NOT_APPLICABLE."""
-        return [pair for pair in self.labels
-                if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
+        return [
+            pair
+            for pair in self.labels
+            if any(
+                answer.outcome != Outcome.NOT_APPLICABLE
+                for family in self.of_kind(kind)
+                for answer in family.of(pair[1])
+            )
+        ]
 
     def is_certified(self, label: str) -> bool:
         """Tells whether a solver is certified; false if it was never run."""
@@ -164,17 +229,26 @@ class Suite:
 
 
 def ordered(pairs: Iterable[Label]) -> list[Label]:
-    """Sorts like style.order(), but puts each algorithm as printed (with its errors) after the corrected one."""
+    """Sorts like style.order(), but puts each algorithm as printed (with its errors) after the
+    corrected one."""
     known = style.order(pairs)
     found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
     for pair in (pair for pair in known if pair[0] in AS_PRINTED):
-        after = [i for i, (solver, _) in enumerate(found) if solver == pair[0].removesuffix("_as_printed")]
+        after = [
+            i
+            for i, (solver, _) in enumerate(found)
+            if solver == pair[0].removesuffix("_as_printed")
+        ]
         found.insert(after[-1] + 1 if after else len(found), pair)
     return found
 
 
 def look(solver: str, label: str) -> style.Look:
-    return AS_PRINTED[solver] if solver == label and solver in AS_PRINTED else style.look(solver, label)
+    return (
+        AS_PRINTED[solver]
+        if solver == label and solver in AS_PRINTED
+        else style.look(solver, label)
+    )
 
 
 def severity_text(severity: float) -> str:
@@ -191,7 +265,9 @@ def range_text(family: Family) -> str:
     """Returns the range of severities of a family: '10 to 1e12'."""
     if not family.has_severities:
         return f"{len(family.steps)} scenes" if len(family.steps) > 1 else ""
-    ends = list(dict.fromkeys((severity_text(family.severities[0]), severity_text(family.severities[-1]))))
+    ends = list(
+        dict.fromkeys((severity_text(family.severities[0]), severity_text(family.severities[-1])))
+    )
     return " to ".join(ends)
 
 

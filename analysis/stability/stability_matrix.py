@@ -1,4 +1,5 @@
-"""The outcome of every solver on families of scenes that get worse step by step: a matrix, and verdicts on three claims.
+"""The outcome of every solver on families of scenes that get worse step by step: a matrix, and
+verdicts on three claims.
 
 stability_error and stability_time draw the same results.
 """
@@ -14,22 +15,48 @@ from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, never_chosen
 from analysis.stability import stability_picture
-from analysis.stability.stability_families import KINDS, Answer, Family, Suite, look, percent, severity_text
+from analysis.stability.stability_families import (
+    KINDS,
+    Answer,
+    Family,
+    Suite,
+    look,
+    percent,
+    severity_text,
+)
 from analysis.stability.stability_outcomes import ILL, MEETABLE, SLACK, U, Outcome
 
-SHARE: Final = 0.95  # claimed share of tight answers, among those for which a tight answer is possible
-# Solvers that ignore the tolerance: the spacing of their samples or grid sets the width of their bounds.
+SHARE: Final = (
+    0.95  # claimed share of tight answers, among those for which a tight answer is possible
+)
+# Solvers that ignore the tolerance: the spacing of their samples or grid sets the width of their
+# bounds.
 WITHOUT_TOLERANCE: Final = ("sampling", "surface_meshes")
 NAMED: Final = 12  # the evidence against a claim names at most this many places
 
 
 def make(results: Results) -> Report:
     suite = Suite(results)
-    parts = {kind: [answer.row for family in suite.of_kind(kind) for own in family.answers.values() for answer in own.values()] for kind in KINDS}
-    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers], clock=NO_TIMES, parts=parts)
+    parts = {
+        kind: [
+            answer.row
+            for family in suite.of_kind(kind)
+            for own in family.answers.values()
+            for answer in own.values()
+        ]
+        for kind in KINDS
+    }
+    return Report(
+        lambda: stability_picture.draw(suite),
+        table_of(suite),
+        [record(suite, answer) for answer in suite.answers],
+        clock=NO_TIMES,
+        parts=parts,
+    )
 
 
-# --- claims -------------------------------------------------------------------------------------------------------------------------
+# --- claims
+# -------------------------------------------------------------------------------------------------------------------------
 
 
 def place(suite: Suite, answer: Answer) -> str:
@@ -50,7 +77,11 @@ def was_run(answer: Answer) -> bool:
 
 
 def claim_certified(suite: Suite) -> Verdict:
-    asked = [answer for answer in suite.answers if answer.certified and was_run(answer) and answer.outcome != Outcome.RIGHTLY_REFUSED]
+    asked = [
+        answer
+        for answer in suite.answers
+        if answer.certified and was_run(answer) and answer.outcome != Outcome.RIGHTLY_REFUSED
+    ]
     ill = [answer for answer in asked if answer.outcome in ILL]
     found = never_chosen(claims.of("hausbench", "stability"), len(ill), len(asked), "answers")
     if not ill:
@@ -61,9 +92,18 @@ def claim_certified(suite: Suite) -> Verdict:
 
 def claim_tight(suite: Suite) -> Verdict:
     """Judges the claim on the share of tight answers, by counting, without statistics."""
-    claim = claims.of("hausbench", "tight", percent=100 * SHARE, aside=" and ".join(WITHOUT_TOLERANCE))
-    among = [answer for answer in suite.answers if answer.certified and answer.legal and answer.can_be_met and was_run(answer)
-             and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE]
+    claim = claims.of(
+        "hausbench", "tight", percent=100 * SHARE, aside=" and ".join(WITHOUT_TOLERANCE)
+    )
+    among = [
+        answer
+        for answer in suite.answers
+        if answer.certified
+        and answer.legal
+        and answer.can_be_met
+        and was_run(answer)
+        and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE
+    ]
     if not among:
         return Verdict(claim, UNTESTED, "no answers")
     tight = [answer for answer in among if answer.outcome == Outcome.TIGHT]
@@ -80,60 +120,99 @@ def claim_tight(suite: Suite) -> Verdict:
 
     families = {answer.row: suite.family_of[answer.row].title for answer in among}
     labels = {answer.row: answer.label for answer in among}
-    return Verdict(claim, HOLDS if len(tight) >= SHARE * len(among) else FAILS,
-                   f"{len(tight):,} of {len(among):,}, {percent(len(tight), len(among))}; families below: {below(families)}; "
-                   f"solvers below: {below(labels)}")
+    return Verdict(
+        claim,
+        HOLDS if len(tight) >= SHARE * len(among) else FAILS,
+        f"{len(tight):,} of {len(among):,}, {percent(len(tight), len(among))}; families below: {below(families)}; "
+        f"solvers below: {below(labels)}",
+    )
 
 
 def expected_wrong(suite: Suite) -> list[str]:
-    """Returns the labels of solvers known to be wrong: textbook arithmetic, algorithms as printed, and CGAL, which does not
-    bound its rounding errors.
+    """Returns the labels of solvers known to be wrong: textbook arithmetic, algorithms as printed,
+    and CGAL, which does not bound its rounding errors.
     """
-    return [label for solver, label in suite.labels
-            if solver == "cgal" or solver.endswith("_as_printed") or "textbook kernel" in label]
+    return [
+        label
+        for solver, label in suite.labels
+        if solver == "cgal" or solver.endswith("_as_printed") or "textbook kernel" in label
+    ]
 
 
 def claims_can_fail(suite: Suite) -> list[Verdict]:
-    """Judges the claim that the suite detects each solver in expected_wrong(): at least one of its answers is wrong."""
+    """Judges the claim that the suite detects each solver in expected_wrong(): at least one of its
+    answers is wrong."""
     found = []
     for label in expected_wrong(suite):
         asked = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
         wrong = [answer for answer in asked if answer.outcome == Outcome.WRONG]
         where = named([place(suite, answer).removeprefix(f"{label} on ") for answer in wrong])
-        evidence = f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}" if asked else "no answers"
-        found.append(Verdict(claims.of("hausbench", "suite_can_fail", label=label), HOLDS if wrong else FAILS if asked else UNTESTED, evidence))
+        evidence = (
+            f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}"
+            if asked
+            else "no answers"
+        )
+        found.append(
+            Verdict(
+                claims.of("hausbench", "suite_can_fail", label=label),
+                HOLDS if wrong else FAILS if asked else UNTESTED,
+                evidence,
+            )
+        )
     return found
 
 
-# --- table and numbers --------------------------------------------------------------------------------------------------------------
+# --- table and numbers
+# --------------------------------------------------------------------------------------------------------------
 
 
 def cell(family: Family, label: str) -> str:
-    """Returns the worst outcome of a solver on a family, and the number of severities that have it (at any tolerance)."""
+    """Returns the worst outcome of a solver on a family, and the number of severities that have it
+    (at any tolerance)."""
     worst = {}
     for step in family.steps:
         own = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
         worst[step] = max(own, key=lambda outcome: outcome.badness)
     if set(worst.values()) == {Outcome.NOT_APPLICABLE}:
         return Outcome.NOT_APPLICABLE.short
-    run = [outcome for outcome in worst.values() if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
+    run = [
+        outcome
+        for outcome in worst.values()
+        if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)
+    ]
     if not run:
         return Outcome.NOT_RUN.short
     least = max(run, key=lambda outcome: outcome.badness)
     missing = len(worst) - len(run)
-    return f"{least.short} {run.count(least)} of {len(worst)}" + (f", {missing} not run" if missing else "")
+    return f"{least.short} {run.count(least)} of {len(worst)}" + (
+        f", {missing} not run" if missing else ""
+    )
 
 
 def table_of(suite: Suite) -> tables.Table:
     results, labels = suite.results, suite.labels
-    table = tables.Table("The worst outcome of each solver on each family of scenes, and at how many of its severities.",
-                         ["family", "severity", "scenes", *[look(*pair).title for pair in labels]], left=3 + len(labels), parts=_kinds_begin(suite))
+    table = tables.Table(
+        "The worst outcome of each solver on each family of scenes, and at how many of its severities.",
+        ["family", "severity", "scenes", *[look(*pair).title for pair in labels]],
+        left=3 + len(labels),
+        parts=_kinds_begin(suite),
+    )
     for kind in KINDS:
         table.rules.add(len(table.rows))
         for family in suite.of_kind(kind):
-            ends = [severity_text(x) for x in (family.severities[0], family.severities[-1])] if family.has_severities else [numerals.NOTHING]
-            table.rows.append([family.title, " to ".join(dict.fromkeys(ends)), str(len(family.steps)),
-                               *[cell(family, label) for _, label in labels]])
+            ends = (
+                [severity_text(x) for x in (family.severities[0], family.severities[-1])]
+                if family.has_severities
+                else [numerals.NOTHING]
+            )
+            table.rows.append(
+                [
+                    family.title,
+                    " to ".join(dict.fromkeys(ends)),
+                    str(len(family.steps)),
+                    *[cell(family, label) for _, label in labels],
+                ]
+            )
     table.verdicts = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
     unknown = sum(answer.can_be_met is None and was_run(answer) for answer in suite.answers)
     table.notes = [
@@ -145,30 +224,44 @@ def table_of(suite: Suite) -> tables.Table:
         "Bounds are compared with the distance in closed form, to one ulp, or else with what all certified solvers prove together. Solvers that are not "
         f"certified may be off by {SLACK / U:.0f} u M. A gap can be met if the tolerance is at least {MEETABLE / U:.0f} u M (u = 2^-53, M the largest "
         "coordinate).",
-        f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(map(float, results.cases.tolerance)), reverse=True))}."]
-    table.notes += [f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
-                    "bounds of solvers that are not certified."] * bool(unknown)
-    table.notes += [f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))]
+        f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(map(float, results.cases.tolerance)), reverse=True))}.",
+    ]
+    table.notes += [
+        f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
+        "bounds of solvers that are not certified."
+    ] * bool(unknown)
+    table.notes += [
+        f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))
+    ]
     table.notes.append(f"{machine_line(results)}.")
     return table
 
 
 def _kinds_begin(suite: Suite) -> list[int]:
     """Returns the first column of each group of solvers: for points only, meshes, and surfaces."""
-    takes = [next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "") for pair in suite.labels]
+    takes = [
+        next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "")
+        for pair in suite.labels
+    ]
     return [3 + i for i, kind in enumerate(takes) if i == 0 or kind != takes[i - 1]]
 
 
 def seconds_text(results: Results) -> str:
-    return ", ".join(f"{numerals.number(x)} s" for x in sorted(set(map(float, results.cases.case_seconds_limit))))
+    return ", ".join(
+        f"{numerals.number(x)} s" for x in sorted(set(map(float, results.cases.case_seconds_limit)))
+    )
 
 
 def note_of(suite: Suite, family: Family) -> str:
-    """Returns the note on a family from the experiment file. If its scenes have different notes, returns all of them."""
+    """Returns the note on a family from the experiment file. If its scenes have different notes,
+    returns all of them."""
     cases, notes = suite.results.cases, dict[str, str]()
     for own in family.answers.values():
         for answer in own.values():
-            notes.setdefault(str(cases.scene_note[answer.row]).removeprefix("not legal: "), str(cases.scene[answer.row]))
+            notes.setdefault(
+                str(cases.scene_note[answer.row]).removeprefix("not legal: "),
+                str(cases.scene[answer.row]),
+            )
     if len(notes) == 1 or family.has_severities:
         return next(iter(notes), "")
     return "; ".join(f"{scene}: {note}" for note, scene in notes.items() if note)
@@ -177,7 +270,21 @@ def note_of(suite: Suite, family: Family) -> str:
 def record(suite: Suite, answer: Answer) -> tables.Record:
     cases, family, row = suite.results.cases, suite.family_of[answer.row], answer.row
     met = {True: "yes", False: "no", None: "unknown"}[answer.can_be_met]
-    return {"family": family.name, "kind": family.kind, "scene": cases.scene[row], "severity": answer.severity, "tolerance": answer.tolerance,
-            "solver": cases.solver[row], "label": answer.label, "certified": int(cases.certified[row]), "verdict": answer.outcome.words,
-            "can_be_met": met, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "exact": float(cases.exact[row]),
-            "status": cases.status[row], "reason": cases.reason[row], "seconds": float(cases.solve_seconds[row])}
+    return {
+        "family": family.name,
+        "kind": family.kind,
+        "scene": cases.scene[row],
+        "severity": answer.severity,
+        "tolerance": answer.tolerance,
+        "solver": cases.solver[row],
+        "label": answer.label,
+        "certified": int(cases.certified[row]),
+        "verdict": answer.outcome.words,
+        "can_be_met": met,
+        "lower": float(cases.lower[row]),
+        "upper": float(cases.upper[row]),
+        "exact": float(cases.exact[row]),
+        "status": cases.status[row],
+        "reason": cases.reason[row],
+        "seconds": float(cases.solve_seconds[row]),
+    }

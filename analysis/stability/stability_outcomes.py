@@ -1,4 +1,5 @@
-"""Classifies the rows of the stability suite by outcome, and gives each outcome its words, letter and colour."""
+"""Classifies the rows of the stability suite by outcome, and gives each outcome its words, letter
+and colour."""
 
 from __future__ import annotations
 
@@ -14,9 +15,12 @@ from analysis.shared import shapes
 from analysis.shared.results import Interval, ResultError, Results
 
 U: Final = 2.0**-53
-SLACK: Final = 84 * U  # as a fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
-# The least tolerance that double arithmetic can meet, as a fraction of M, the largest |coordinate|. The widest certified
-# bounds at a precision floor that we saw, of meshes far from the origin, were 34 * U * M apart.
+SLACK: Final = (
+    84 * U
+)  # as a fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
+# The least tolerance that double arithmetic can meet, as a fraction of M, the largest |coordinate|.
+# The widest certified bounds at a precision floor that we saw, of meshes far from the origin, were
+# 34 * U * M apart.
 MEETABLE: Final = 40 * U
 LEAST: Final = 40 * 2.0**-1074  # the same if U * M is below the smallest double
 
@@ -24,8 +28,9 @@ LEAST: Final = 40 * 2.0**-1074  # the same if U * M is below the smallest double
 class Outcome(Enum):
     """The outcomes of a row: first two for rows that were not run, then from best to worst.
 
-    Each has words, a short word, a letter in figures, a colour, and the colour of the letter. Worse outcomes are darker
-    (but a crash is black), so that colours differ in grey and with all kinds of colour blindness.
+    Each has words, a short word, a letter in figures, a colour, and the colour of the letter. Worse
+    outcomes are darker (but a crash is black), so that colours differ in grey and with all kinds of
+    colour blindness.
     """
 
     NOT_APPLICABLE = ("not applicable", "n/a", "", "#FFFFFF", "#777777")
@@ -33,18 +38,34 @@ class Outcome(Enum):
     TIGHT = ("right and tight", "tight", "", "#D6EEE6", "#222222")
     RIGHTLY_REFUSED = ("rightly refused", "refused it", "r", "#D6EEE6", "#222222")
     LOOSE = ("right but loose", "loose", "~", "#A8D3C4", "#222222")
-    STOPPED = ("stopped, bounds hold", "stopped", "", "#D3A02A", "#222222")  # its letter is in STOPS
+    STOPPED = (
+        "stopped, bounds hold",
+        "stopped",
+        "",
+        "#D3A02A",
+        "#222222",
+    )  # its letter is in STOPS
     REFUSED = ("refused", "refused", "R", "#A97FC4", "#222222")
     HUNG = ("hung", "hung", "H", "#4F6DB8", "#FFFFFF")
     CRASHED = ("crashed", "crashed", "C", "#2A1E14", "#FFFFFF")
     WRONG = ("wrong", "wrong", "X", "#A3200B", "#FFFFFF")
 
     def __init__(self, words: str, short: str, letter: str, colour: str, ink: str) -> None:
-        self.words, self.short, self.letter, self.colour, self.ink = words, short, letter, colour, ink
+        self.words, self.short, self.letter, self.colour, self.ink = (
+            words,
+            short,
+            letter,
+            colour,
+            ink,
+        )
         self.badness = len(type(self).__members__)
 
 
-STOPS: Final = {"timeout": ("T", "stopped at its time limit"), "budget": ("B", "stopped at its budget"), "floor": ("P", "stopped at the precision of doubles")}
+STOPS: Final = {
+    "timeout": ("T", "stopped at its time limit"),
+    "budget": ("B", "stopped at its budget"),
+    "floor": ("P", "stopped at the precision of doubles"),
+}
 ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
 
 
@@ -71,9 +92,15 @@ class Ending:
 
     @property
     def leaves_out_the_truth(self) -> bool:
-        """True if lower > upper, or the true distance is outside the bounds, by more than the slack. False for an unknown slack."""
+        """True if lower > upper, or the true distance is outside the bounds, by more than the
+        slack. False for an unknown slack."""
         low, high = self.lower - self.slack, self.upper + self.slack
-        return self.lower > high or low > self.truth.upper or high < self.truth.lower or math.isinf(self.lower)
+        return (
+            self.lower > high
+            or low > self.truth.upper
+            or high < self.truth.lower
+            or math.isinf(self.lower)
+        )
 
     @property
     def is_tight(self) -> bool:
@@ -86,7 +113,11 @@ def judge(ending: Ending) -> Outcome:
     found = _judge_legal(ending)
     if ending.legal:
         return found
-    return {Outcome.REFUSED: Outcome.RIGHTLY_REFUSED, Outcome.CRASHED: Outcome.CRASHED, Outcome.HUNG: Outcome.HUNG}.get(found, Outcome.WRONG)
+    return {
+        Outcome.REFUSED: Outcome.RIGHTLY_REFUSED,
+        Outcome.CRASHED: Outcome.CRASHED,
+        Outcome.HUNG: Outcome.HUNG,
+    }.get(found, Outcome.WRONG)
 
 
 def _judge_legal(ending: Ending) -> Outcome:
@@ -98,13 +129,17 @@ def _judge_legal(ending: Ending) -> Outcome:
         return _without_bounds(ending)
     if ending.leaves_out_the_truth:
         return Outcome.WRONG
-    if ending.status == "failed" and ending.solver_status != "stalled":  # its runs gave different answers
+    if (
+        ending.status == "failed" and ending.solver_status != "stalled"
+    ):  # its runs gave different answers
         return Outcome.WRONG
     if ending.is_tight:
         return Outcome.TIGHT
     if ending.status in ("timeout", "budget", "floor"):
         return Outcome.STOPPED
-    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # trivial bounds and a reason
+    if (
+        ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper)
+    ):  # trivial bounds and a reason
         return Outcome.REFUSED
     if ending.status == "ok" and ending.certified:
         return Outcome.WRONG
@@ -129,16 +164,26 @@ class Judge:
     def ending(self, row: int) -> Ending:
         cases = self.results.cases
         certified = bool(cases.certified[row] == 1)
-        return Ending(str(cases.status[row]), str(cases.reason[row]), str(cases.solver_status[row]), float(cases.lower[row]),
-                      float(cases.upper[row]), self.truth(row), 0.0 if certified else SLACK * self.magnitude(row),
-                      float(cases.tolerance_absolute[row]), certified, "unsound" in (cases.lower_check[row], cases.upper_check[row]),
-                      not str(cases.scene_note[row]).startswith("not legal"))
+        return Ending(
+            str(cases.status[row]),
+            str(cases.reason[row]),
+            str(cases.solver_status[row]),
+            float(cases.lower[row]),
+            float(cases.upper[row]),
+            self.truth(row),
+            0.0 if certified else SLACK * self.magnitude(row),
+            float(cases.tolerance_absolute[row]),
+            certified,
+            "unsound" in (cases.lower_check[row], cases.upper_check[row]),
+            not str(cases.scene_note[row]).startswith("not legal"),
+        )
 
     def truth(self, row: int) -> Interval:
-        """Returns `exact`, give or take one ulp, or if it is unknown the interval that all certified rows prove together.
+        """Returns `exact`, give or take one ulp, or if it is unknown the interval that all
+        certified rows prove together.
 
-        If certified rows contradict each other, this interval has lower > upper, as it is not known which one is wrong.
-        Then only a row whose bounds include both ends contains it.
+        If certified rows contradict each other, this interval has lower > upper, as it is not known
+        which one is wrong. Then only a row whose bounds include both ends contains it.
         """
         exact = float(self.results.cases.exact[row])
         if math.isnan(exact):
@@ -146,9 +191,12 @@ class Judge:
         return Interval(float(np.nextafter(exact, -np.inf)), float(np.nextafter(exact, np.inf)))
 
     def can_be_met(self, row: int) -> bool | None:
-        """Tells whether the tolerance is within the precision of doubles; None if a shape is not in the cache."""
+        """Tells whether the tolerance is within the precision of doubles; None if a shape is not in
+        the cache."""
         floor = self.floor(row)
-        return None if math.isnan(floor) else bool(self.results.cases.tolerance_absolute[row] >= floor)
+        return (
+            None if math.isnan(floor) else bool(self.results.cases.tolerance_absolute[row] >= floor)
+        )
 
     def floor(self, row: int) -> float:
         """Returns the least tolerance that doubles can meet; NaN if a shape is not in the cache."""
@@ -156,9 +204,13 @@ class Judge:
         return math.nan if math.isnan(largest) else max(MEETABLE * largest, LEAST)
 
     def magnitude(self, row: int) -> float:
-        """Returns a bound on |coordinate| of both shapes in their poses, as in harness/check/verify.cpp; NaN if one is not cached."""
+        """Returns a bound on |coordinate| of both shapes in their poses, as in
+        harness/check/verify.cpp; NaN if one is not cached."""
         cases, found = self.results.cases, list[float]()
-        for model, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row])):
+        for model, pose in (
+            (cases.source[row], cases.pose[row]),
+            (cases.target[row], cases.target_pose[row]),
+        ):
             largest = self._largest_of(str(model))
             if largest is None:
                 return math.nan

@@ -1,4 +1,5 @@
-"""Draws small panels for a few families of the stability suite: two measures against severity, one above the other."""
+"""Draws small panels for a few families of the stability suite: two measures against severity, one
+above the other."""
 
 from __future__ import annotations
 
@@ -28,89 +29,182 @@ LEFT: Final = 0.6
 MARK: Final = "#D00000"
 BEHIND: Final = "#C4C4C4"  # grey, for solvers that telling() does not choose
 SHOWN: Final = 6  # solvers drawn in colour, at most
-OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # added to their score, so that they are chosen first
+OURS: Final = {
+    "cover": 3e6,
+    "scan": 2e6,
+    "surface_enclosure": 1e6,
+}  # added to their score, so that they are chosen first
 
 
 @dataclass(frozen=True)
 class Measure:
-    """The number that a frame shows for each answer. NaN is not drawn; infinity becomes a letter at the top."""
+    """The number that a frame shows for each answer. NaN is not drawn; infinity becomes a letter at
+    the top."""
 
     name: str
     of: Callable[[Answer], float]
     guide: Callable[[Answer], float]  # a line for orientation; NaN: none
-    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # height of an open marker for a timeout; NaN: none
+    stopped_at: Callable[
+        [Answer], float
+    ] = lambda answer: math.nan  # height of an open marker for a timeout; NaN: none
 
 
-def choose(families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0) -> list[Family]:
-    """Returns the MOST families with the highest interest, then the most severities, in the order of the experiment."""
+def choose(
+    families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0
+) -> list[Family]:
+    """Returns the MOST families with the highest interest, then the most severities, in the order
+    of the experiment."""
     among = sorted(families, key=lambda family: (-interest(family), -len(family.steps)))[:MOST]
     return [family for family in families if family in among]
 
 
 def swept(suite: Suite) -> list[Family]:
     """Returns the families of valid input with at least two severities."""
-    return [family for family in suite.families if family.has_severities and len(set(family.severities)) > 1
-            and all(answer.legal for own in family.answers.values() for answer in own.values())]
+    return [
+        family
+        for family in suite.families
+        if family.has_severities
+        and len(set(family.severities)) > 1
+        and all(answer.legal for own in family.answers.values() for answer in own.values())
+    ]
 
 
 def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
-    """Chooses at most SHOWN solvers, of different colours and markers: ours, then those that miss tight answers most often."""
+    """Chooses at most SHOWN solvers, of different colours and markers: ours, then those that miss
+    tight answers most often."""
+
     def score(pair: Label) -> float:
-        own = [answer for family in families for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]
-        return sum(1.0 + 9.0 * (answer.outcome == Outcome.WRONG) for answer in own if answer.outcome != Outcome.TIGHT) + OURS.get(pair[0], 0.0) * bool(own)
+        own = [
+            answer
+            for family in families
+            for answer in family.finest(pair[1])
+            if answer in family.asked(pair[1])
+        ]
+        return sum(
+            1.0 + 9.0 * (answer.outcome == Outcome.WRONG)
+            for answer in own
+            if answer.outcome != Outcome.TIGHT
+        ) + OURS.get(pair[0], 0.0) * bool(own)
 
     found: list[Label] = []
     for pair in sorted(suite.labels, key=lambda pair: -score(pair)):
         looks = [look(*other) for other in found]
-        if len(found) < SHOWN and any(family.asked(pair[1]) for family in families) and not any(
-                look(*pair).colour == other.colour or look(*pair).marker == other.marker for other in looks):
+        if (
+            len(found) < SHOWN
+            and any(family.asked(pair[1]) for family in families)
+            and not any(
+                look(*pair).colour == other.colour or look(*pair).marker == other.marker
+                for other in looks
+            )
+        ):
             found.append(pair)
     return [pair for pair in suite.labels if pair in found]
 
 
-def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Measure], notes: Sequence[str]) -> Any:
+def draw(
+    suite: Suite,
+    families: Sequence[Family],
+    measures: tuple[Measure, Measure],
+    notes: Sequence[str],
+) -> Any:
     shown = telling(suite, families)
     entries = [handle(pair) for pair in shown]
-    if any(family.asked(label) for family in families for _, label in suite.labels if (_, label) not in shown):
-        entries.append(Line2D([], [], color=BEHIND, linewidth=0.8, label="the others, in the table"))
+    if any(
+        family.asked(label)
+        for family in families
+        for _, label in suite.labels
+        if (_, label) not in shown
+    ):
+        entries.append(
+            Line2D([], [], color=BEHIND, linewidth=0.8, label="the others, in the table")
+        )
     legend_rows = -(-max(1, len(entries)) // 4)
-    height = 0.1 + DEEP * max(1, -(-len(families) // ACROSS)) + 0.145 * legend_rows + 0.14 * len(notes) + 0.12
+    height = (
+        0.1
+        + DEEP * max(1, -(-len(families) // ACROSS))
+        + 0.145 * legend_rows
+        + 0.14 * len(notes)
+        + 0.12
+    )
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
     figure.set_layout_engine("none")
     for i, family in enumerate(families):
         left, floor = LEFT + (i % ACROSS) * PITCH, height - (i // ACROSS) * DEEP - 0.26 - 2 * TALL
         for measure, bottom in zip(measures, (floor + TALL + 0.08, floor)):
-            ax = figure.add_axes((left / style.DOUBLE_COLUMN, bottom / height, WIDE / style.DOUBLE_COLUMN, TALL / height))
+            ax = figure.add_axes(
+                (
+                    left / style.DOUBLE_COLUMN,
+                    bottom / height,
+                    WIDE / style.DOUBLE_COLUMN,
+                    TALL / height,
+                )
+            )
             draw_frame(ax, suite, family, measure, shown)
             if i % ACROSS == 0:
                 ax.set_ylabel(measure.name)
                 ax.yaxis.set_label_coords(-0.3, 0.5)
             if bottom > floor:
-                ax.set_title(family.title if family.title.startswith(family.kind) else f"{family.title} ({family.kind})", pad=3)
+                ax.set_title(
+                    family.title
+                    if family.title.startswith(family.kind)
+                    else f"{family.title} ({family.kind})",
+                    pad=3,
+                )
                 ax.tick_params(labelbottom=False)
             else:
                 ax.set_xlabel("severity (no unit)", labelpad=1)
-    figure.legend(handles=entries, loc="lower center", ncol=4, handlelength=2.2, fontsize=6.5,
-                  bbox_to_anchor=(0.5, (0.14 * len(notes) + 0.06) / height))
-    figure.text(0.5, 0.04 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    figure.legend(
+        handles=entries,
+        loc="lower center",
+        ncol=4,
+        handlelength=2.2,
+        fontsize=6.5,
+        bbox_to_anchor=(0.5, (0.14 * len(notes) + 0.06) / height),
+    )
+    figure.text(
+        0.5, 0.04 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY
+    )
     return figure
 
 
 def handle(pair: Label) -> Any:
     looks = look(*pair)
-    return Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+    return Line2D(
+        [],
+        [],
+        label=looks.entry,
+        **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}),
+    )
 
 
-def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: Sequence[Label]) -> None:
-    answers = {pair: [answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)] for pair in suite.labels
-               if family.asked(pair[1])}
+def draw_frame(
+    ax: Any, suite: Suite, family: Family, measure: Measure, shown: Sequence[Label]
+) -> None:
+    answers = {
+        pair: [answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)]
+        for pair in suite.labels
+        if family.asked(pair[1])
+    }
     everyone = [answer for own in answers.values() for answer in own]
-    guide = {answer.severity: measure.guide(answer) for answer in everyone if math.isfinite(measure.guide(answer))}
-    values = [measure.of(answer) for answer in everyone] + [measure.stopped_at(answer) for answer in everyone]
+    guide = {
+        answer.severity: measure.guide(answer)
+        for answer in everyone
+        if math.isfinite(measure.guide(answer))
+    }
+    values = [measure.of(answer) for answer in everyone] + [
+        measure.stopped_at(answer) for answer in everyone
+    ]
     axis = scales.LogAxis(ax, [*filter(math.isfinite, values), *guide.values()], 5)
     if guide:
         along = sorted(guide)
-        ax.plot(along, axis.place([guide[x] for x in along]), color="black", linewidth=0.8, linestyle=(0, (1, 1)), zorder=2)
+        ax.plot(
+            along,
+            axis.place([guide[x] for x in along]),
+            color="black",
+            linewidth=0.8,
+            linestyle=(0, (1, 1)),
+            zorder=2,
+        )
     lost: Counter[float] = Counter()
     for pair, own in answers.items():
         draw_line(ax, axis, pair, own, measure, lost, pair in shown)
@@ -120,39 +214,99 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: S
     set_severities(ax, sorted({answer.severity for answer in everyone}), family)
 
 
-def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
-    """Draws the line of a solver, and a letter at the top for each answer whose measure is infinite.
+def draw_line(
+    ax: Any,
+    axis: scales.LogAxis,
+    pair: Label,
+    own: Sequence[Answer],
+    measure: Measure,
+    lost: Counter[float],
+    front: bool,
+) -> None:
+    """Draws the line of a solver, and a letter at the top for each answer whose measure is
+    infinite.
 
     A solver that is not in front is grey.
     """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
-    known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
+    known = [
+        (answer.severity, measure.of(answer), answer)
+        for answer in own
+        if math.isfinite(measure.of(answer))
+    ]
     if known:
-        ax.plot([x for x, _, _ in known], axis.place([y for _, y, _ in known]), color=looks.colour, linestyle=looks.line, linewidth=0.8,
-                zorder=3 if front else 2.5)
+        ax.plot(
+            [x for x, _, _ in known],
+            axis.place([y for _, y, _ in known]),
+            color=looks.colour,
+            linestyle=looks.line,
+            linewidth=0.8,
+            zorder=3 if front else 2.5,
+        )
     for x, y, answer in known:
-        kind = style.open_marker if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE) else style.filled_marker
+        kind = (
+            style.open_marker
+            if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE)
+            else style.filled_marker
+        )
         if front:
-            ax.plot([x], axis.place([y]), zorder=4, clip_on=False, **kind(looks) | {"markersize": 0.7 * looks.size})
+            ax.plot(
+                [x],
+                axis.place([y]),
+                zorder=4,
+                clip_on=False,
+                **kind(looks) | {"markersize": 0.7 * looks.size},
+            )
         if answer.outcome == Outcome.WRONG:
-            ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="s", markersize=7, markerfacecolor="none", markeredgewidth=1.1,
-                    markeredgecolor=MARK)
+            ax.plot(
+                [x],
+                axis.place([y]),
+                zorder=5,
+                clip_on=False,
+                marker="s",
+                markersize=7,
+                markerfacecolor="none",
+                markeredgewidth=1.1,
+                markeredgecolor=MARK,
+            )
     for answer in own:
         letter = answer.letter or "?"
-        if math.isfinite(measure.of(answer)) or answer.outcome in (Outcome.NOT_RUN, Outcome.NOT_APPLICABLE):
+        if math.isfinite(measure.of(answer)) or answer.outcome in (
+            Outcome.NOT_RUN,
+            Outcome.NOT_APPLICABLE,
+        ):
             continue
         at = measure.stopped_at(answer)
         if math.isfinite(at):
-            ax.plot([answer.severity], axis.place([at]), zorder=4, clip_on=False, **style.open_marker(looks) | {"markersize": 0.7 * looks.size})
+            ax.plot(
+                [answer.severity],
+                axis.place([at]),
+                zorder=4,
+                clip_on=False,
+                **style.open_marker(looks) | {"markersize": 0.7 * looks.size},
+            )
         elif not math.isnan(measure.of(answer)) or answer.outcome.badness > Outcome.STOPPED.badness:
-            ax.annotate("∞" if math.isinf(measure.of(answer)) else letter, (answer.severity, 1), (0, -3 - 5.5 * lost[answer.severity]),
-                        xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center", fontsize=5.5,
-                        fontweight="bold", color=style.shade(looks.colour, -0.4), annotation_clip=False, zorder=6, family="DejaVu Sans")
+            ax.annotate(
+                "∞" if math.isinf(measure.of(answer)) else letter,
+                (answer.severity, 1),
+                (0, -3 - 5.5 * lost[answer.severity]),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                ha="center",
+                va="center",
+                fontsize=5.5,
+                fontweight="bold",
+                color=style.shade(looks.colour, -0.4),
+                annotation_clip=False,
+                zorder=6,
+                family="DejaVu Sans",
+            )
             lost[answer.severity] += 1
 
 
 def spread(severities: Sequence[float], apart: float) -> list[float]:
-    """Thins out severities, so that any two differ by at least `apart` powers of ten. Earlier ones have priority."""
+    """Thins out severities, so that any two differ by at least `apart` powers of ten. Earlier ones
+    have priority."""
     kept: list[float] = []
     for severity in severities:
         if all(abs(math.log10(severity / other)) >= apart for other in kept):
@@ -161,19 +315,28 @@ def spread(severities: Sequence[float], apart: float) -> list[float]:
 
 
 def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None:
-    """Sets the axis of severities, with the severest at the right: logarithmic if all are positive."""
+    """Sets the axis of severities, with the severest at the right: logarithmic if all are
+    positive."""
     if not severities:
         return
     first, last = severities[0], severities[-1]
     if first > 0:
         room = (last / first) ** 0.06
-        ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are not doubles
-        ax.set_xscale("log")  # after the limits, because automatic limits could exceed the range of doubles
+        ax.set_xlim(
+            max(first / room, 1e-305), min(last * room, 1e305)
+        )  # ticks beyond are not doubles
+        ax.set_xscale(
+            "log"
+        )  # after the limits, because automatic limits could exceed the range of doubles
         if last / first >= 1e30:  # LogLocator would compute ticks beyond the range of doubles
-            shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)
+            shown = spread(
+                [severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4
+            )
             ax.xaxis.set_major_locator(FixedLocator(shown))
             ax.xaxis.set_minor_locator(NullLocator())
-            ax.xaxis.set_major_formatter(FixedFormatter([f"$10^{{{math.log10(x):.0f}}}$" for x in shown]))
+            ax.xaxis.set_major_formatter(
+                FixedFormatter([f"$10^{{{math.log10(x):.0f}}}$" for x in shown])
+            )
         else:
             scales.log_ticks(ax.xaxis)
             if last / first >= 1e4:  # labels such as 10 to the minus 12 are wide

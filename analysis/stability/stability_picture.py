@@ -1,4 +1,5 @@
-"""Draws the matrix of outcomes: one figure per kind of shape, one cell per family and solver, one strip in it per severity."""
+"""Draws the matrix of outcomes: one figure per kind of shape, one cell per family and solver, one
+strip in it per severity."""
 
 from __future__ import annotations
 
@@ -36,36 +37,102 @@ def draw_kind(suite: Suite, kind: str) -> Any:
     figure = plt.figure(figsize=(WIDE, height))
     figure.set_layout_engine("none")
     wide = pitch * (len(labels) + BELOW)
-    ax = figure.add_axes((LEFT / WIDE, (height - HEAD - ROW * len(families)) / height, wide / WIDE, ROW * len(families) / height))
+    ax = figure.add_axes(
+        (
+            LEFT / WIDE,
+            (height - HEAD - ROW * len(families)) / height,
+            wide / WIDE,
+            ROW * len(families) / height,
+        )
+    )
     draw_band(ax, suite, families, labels, 72 * pitch)
-    figure.text(0.05 / WIDE, (height - HEAD + 0.09) / height, kind[0].upper() + kind[1:], fontsize=9, fontweight="bold", va="bottom")
-    figure.text((LEFT + wide + 0.04) / WIDE, (height - HEAD + 0.02) / height, "severity\n(no unit)", fontsize=6, color=style.GREY, va="bottom")
-    figure.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncol=5, handlelength=1.4, handleheight=1.0)
-    figure.text(0.5, 0.04 / height, "\n".join(footnote(suite)), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    figure.text(
+        0.05 / WIDE,
+        (height - HEAD + 0.09) / height,
+        kind[0].upper() + kind[1:],
+        fontsize=9,
+        fontweight="bold",
+        va="bottom",
+    )
+    figure.text(
+        (LEFT + wide + 0.04) / WIDE,
+        (height - HEAD + 0.02) / height,
+        "severity\n(no unit)",
+        fontsize=6,
+        color=style.GREY,
+        va="bottom",
+    )
+    figure.legend(
+        handles=entries,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 0.24 / height),
+        ncol=5,
+        handlelength=1.4,
+        handleheight=1.0,
+    )
+    figure.text(
+        0.5,
+        0.04 / height,
+        "\n".join(footnote(suite)),
+        ha="center",
+        va="bottom",
+        fontsize=7,
+        color=style.GREY,
+    )
     return figure
 
 
 def footnote(suite: Suite) -> list[str]:
     two = any(len(family.tolerances) > 1 for family in suite.families)
-    return ["Strips: severities, the mildest at the left" + ("; in each cell the coarser tolerance above the finer one" if two else "")
-            + ". Names in italics: not certified, so bounds may be wrong."]
+    return [
+        "Strips: severities, the mildest at the left"
+        + ("; in each cell the coarser tolerance above the finer one" if two else "")
+        + ". Names in italics: not certified, so bounds may be wrong."
+    ]
 
 
 def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
     """Returns the legend of the outcomes that these families show."""
-    shown = {family.mark(label, step, tolerance) for family in families for _, label in suite.labels_of(family.kind)
-             for step in family.steps for tolerance in family.tolerances}
+    shown = {
+        family.mark(label, step, tolerance)
+        for family in families
+        for _, label in suite.labels_of(family.kind)
+        for step in family.steps
+        for tolerance in family.tolerances
+    }
     words = dict(STOPS.values())
-    entries: list[Any] = [Rectangle((0, 0), 1, 1, facecolor=outcome.colour, edgecolor="#BBBBBB", linewidth=0.4,
-                                    hatch="//////" if outcome == Outcome.NOT_RUN else None,
-                                    label=f"{letter}  {words.get(letter, outcome.words)}" if letter else outcome.words)
-                          for outcome in reversed(Outcome) for letter in dict.fromkeys(("", *words, outcome.letter)) if (outcome, letter) in shown]
-    if any(answer.can_be_met is False for family in families for own in family.answers.values() for answer in own.values()):
-        entries.append(Rectangle((0, 0), 1, 1, facecolor=DARK, label="first column: tolerance too fine for doubles"))
+    entries: list[Any] = [
+        Rectangle(
+            (0, 0),
+            1,
+            1,
+            facecolor=outcome.colour,
+            edgecolor="#BBBBBB",
+            linewidth=0.4,
+            hatch="//////" if outcome == Outcome.NOT_RUN else None,
+            label=f"{letter}  {words.get(letter, outcome.words)}" if letter else outcome.words,
+        )
+        for outcome in reversed(Outcome)
+        for letter in dict.fromkeys(("", *words, outcome.letter))
+        if (outcome, letter) in shown
+    ]
+    if any(
+        answer.can_be_met is False
+        for family in families
+        for own in family.answers.values()
+        for answer in own.values()
+    ):
+        entries.append(
+            Rectangle(
+                (0, 0), 1, 1, facecolor=DARK, label="first column: tolerance too fine for doubles"
+            )
+        )
     return entries
 
 
-def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequence[Label], pitch: float) -> None:
+def draw_band(
+    ax: Any, suite: Suite, families: Sequence[Family], labels: Sequence[Label], pitch: float
+) -> None:
     """Draws the cells of these families and solvers. `pitch` is the width of a cell, in points."""
     ax.set_xlim(-BELOW, len(labels))
     ax.set_ylim(len(families), 0)
@@ -73,10 +140,23 @@ def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequenc
         draw_floor(ax, family, i)
         for j, (_, label) in enumerate(labels):
             draw_cell(ax, family, label, (j, i), pitch)
-        ax.text(len(labels) + 0.08, i + 0.5, range_text(family), fontsize=6, color=style.GREY, va="center", ha="left")
+        ax.text(
+            len(labels) + 0.08,
+            i + 0.5,
+            range_text(family),
+            fontsize=6,
+            color=style.GREY,
+            va="center",
+            ha="left",
+        )
     ax.set_yticks([i + 0.5 for i in range(len(families))], [family.title for family in families])
-    ax.set_xticks([-BELOW / 2, *[j + 0.5 for j in range(len(labels))]], ["below floor", *[look(*pair).title for pair in labels]],
-                  rotation=42, ha="left", rotation_mode="anchor")
+    ax.set_xticks(
+        [-BELOW / 2, *[j + 0.5 for j in range(len(labels))]],
+        ["below floor", *[look(*pair).title for pair in labels]],
+        rotation=42,
+        ha="left",
+        rotation_mode="anchor",
+    )
     ax.xaxis.tick_top()
     ax.tick_params(length=0, pad=2)
     for text, pair in zip(ax.get_xticklabels(), [None, *labels]):
@@ -94,26 +174,46 @@ def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, fl
     """Returns the strips of a cell: ((step, tolerance), left, top, width, height) of each."""
     n, m = len(family.steps), len(family.tolerances)
     across, down = (wide - GAP) / n, (1 - 2 * GAP) / m
-    return [((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
-            for k, step in enumerate(family.steps) for l, tolerance in enumerate(family.tolerances)]
+    return [
+        ((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
+        for k, step in enumerate(family.steps)
+        for l, tolerance in enumerate(family.tolerances)
+    ]
 
 
 def draw_floor(ax: Any, family: Family, i: int) -> None:
-    """Draws the first column, which is dark where the tolerance is below the precision of doubles."""
-    met = {key: answer.can_be_met for own in family.answers.values() for key, answer in own.items() if answer.can_be_met is not None}
+    """Draws the first column, which is dark where the tolerance is below the precision of
+    doubles."""
+    met = {
+        key: answer.can_be_met
+        for own in family.answers.values()
+        for key, answer in own.items()
+        if answer.can_be_met is not None
+    }
     for key, x, y, wide, high in parts(family, -BELOW, BELOW):
         colour = {True: "#EEEEEE", False: DARK, None: "#FFFFFF"}[met.get(key)]
-        ax.add_patch(Rectangle((x, i + y), wide, high, facecolor=colour, edgecolor=colour, linewidth=0.1))
+        ax.add_patch(
+            Rectangle((x, i + y), wide, high, facecolor=colour, edgecolor=colour, linewidth=0.1)
+        )
 
 
 def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: float) -> None:
-    """Draws the strips of a cell, with a letter in the middle of each run of equal ones; in narrow runs it is smaller."""
+    """Draws the strips of a cell, with a letter in the middle of each run of equal ones; in narrow
+    runs it is smaller."""
     marks = {key: family.mark(label, *key) for key, *_ in parts(family, 0, 1)}
     for key, x, y, wide, high in parts(family, at[0], 1):
         outcome, _ = marks[key]
-        ax.add_patch(Rectangle((x, at[1] + y), wide, high, facecolor=outcome.colour, linewidth=0.1,
-                               edgecolor="#BBBBBB" if outcome == Outcome.NOT_RUN else outcome.colour,
-                               hatch="//////" if outcome == Outcome.NOT_RUN else None))
+        ax.add_patch(
+            Rectangle(
+                (x, at[1] + y),
+                wide,
+                high,
+                facecolor=outcome.colour,
+                linewidth=0.1,
+                edgecolor="#BBBBBB" if outcome == Outcome.NOT_RUN else outcome.colour,
+                hatch="//////" if outcome == Outcome.NOT_RUN else None,
+            )
+        )
     across = (1 - GAP) / len(family.steps)
     for l, tolerance in enumerate(family.tolerances):
         line = [marks[step, tolerance] for step in family.steps]
@@ -123,12 +223,26 @@ def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: f
             x = at[0] + GAP / 2 + (begin + end) / 2 * across
             if letter:
                 size = min(6.0 if len(family.tolerances) == 1 else 4.6, max(3.6, 1.25 * points))
-                ax.text(x, y, letter, ha="center", va="center_baseline", fontsize=size, color=outcome.ink, fontweight="bold",
-                        family="DejaVu Sans")
+                ax.text(
+                    x,
+                    y,
+                    letter,
+                    ha="center",
+                    va="center_baseline",
+                    fontsize=size,
+                    color=outcome.ink,
+                    fontweight="bold",
+                    family="DejaVu Sans",
+                )
         for k in range(1, len(line)):  # separates strips of the same colour
             x = at[0] + GAP / 2 + k * across
-            ax.plot([x, x], [y - 0.5 / len(family.tolerances) + GAP, y + 0.5 / len(family.tolerances) - GAP], color="white", linewidth=0.25,
-                    solid_capstyle="butt")
+            ax.plot(
+                [x, x],
+                [y - 0.5 / len(family.tolerances) + GAP, y + 0.5 / len(family.tolerances) - GAP],
+                color="white",
+                linewidth=0.25,
+                solid_capstyle="butt",
+            )
 
 
 def runs(line: Sequence[object]) -> list[tuple[int, int]]:

@@ -23,7 +23,8 @@ MEASURE: Final = "seconds: measure"
 def mean_over_frames(values: Floats) -> Estimate:
     """Returns the mean over frames, in order, with Student's interval.
 
-    Consecutive frames are alike, so the interval is computed from the means of eight blocks of frames.
+    Consecutive frames are alike, so the interval is computed from the means of eight blocks of
+    frames.
     """
     if not len(values) or not np.isfinite(values).all():
         return NO_DATA
@@ -61,27 +62,40 @@ class Scene:
     def depths(self) -> Floats:
         """The depths (middles of intervals) / longest side of the first object."""
         cases, rows = self.results.cases, self.answered
-        return np.array([0.5 * (cases.lower[row] + cases.upper[row]) / cases.source_longest[row] for row in rows])
+        return np.array(
+            [
+                0.5 * (cases.lower[row] + cases.upper[row]) / cases.source_longest[row]
+                for row in rows
+            ]
+        )
 
     def per_frame(self, *stages: str) -> Floats:
-        """Returns the time of these stages by frame, summed over its pairs, in seconds; NaN if a pair has no answer."""
+        """Returns the time of these stages by frame, summed over its pairs, in seconds; NaN if a
+        pair has no answer."""
         place = {frame: i for i, frame in enumerate(self.frames)}
         sums = np.zeros(len(place))
         for row in self.rows:
             extras = self.results.extras(row)
-            sums[place[int(self.results.cases.frame[row])]] += sum(extras.get(stage, np.nan) for stage in stages)
+            sums[place[int(self.results.cases.frame[row])]] += sum(
+                extras.get(stage, np.nan) for stage in stages
+            )
         return sums
 
 
 def recorded(results: Results, labels: list[str]) -> list[Scene]:
-    """Returns a Scene for each recording (a [[scene]] of the experiment) and each of these solvers that was run on it."""
+    """Returns a Scene for each recording (a [[scene]] of the experiment) and each of these solvers
+    that was run on it."""
     cases = results.cases
     names: dict[str, dict[str, list[int]]] = {}
     for row in range(len(cases)):
         if int(cases.frame[row]) >= 0 and cases.label[row] in labels:
             name = cases.scene[row].partition(": ")[0]
             names.setdefault(name, {}).setdefault(cases.label[row], []).append(row)
-    return [Scene(results, name, label, rows) for name, solvers in names.items() for label, rows in solvers.items()]
+    return [
+        Scene(results, name, label, rows)
+        for name, solvers in names.items()
+        for label, rows in solvers.items()
+    ]
 
 
 def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) -> Verdict:
@@ -95,5 +109,9 @@ def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) ->
     if not spent.has_interval:
         return Verdict(claim, NOT_JUDGED, f"n = {spent.n} frames; {value} against {printed:g} ms")
     low, high = 1e3 * spent.low, 1e3 * spent.high
-    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} {numerals.bounds(low, high, limit=printed)} against {printed:g} ms",
-                   ratio=Ratio(printed / (1e3 * spent.value), printed / high, printed / low))
+    return Verdict(
+        claim,
+        HOLDS if high < printed else FAILS if low > printed else OPEN,
+        f"{value} {numerals.bounds(low, high, limit=printed)} against {printed:g} ms",
+        ratio=Ratio(printed / (1e3 * spent.value), printed / high, printed / low),
+    )

@@ -1,4 +1,5 @@
-"""Shows how often the algorithms of Zhang et al. 2017 are wrong if they are implemented exactly as printed."""
+"""Shows how often the algorithms of Zhang et al. 2017 are wrong if they are implemented exactly as
+printed."""
 
 from __future__ import annotations
 
@@ -20,18 +21,29 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
 BLOCK: Final = 5  # neighbouring poses in a block
-LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
-                "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
-                "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
-CLAIMS: Final = {"ohd_as_printed": ("zhang2017", "ohd_as_printed"), "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
-                 "ohd": ("hausbench", "ohd_exact"), "nohd": ("hausbench", "nohd_exact")}
-PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # the as-printed variant of each corrected solver
+LOOKS: Final = {
+    "ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
+    "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
+    "ohd": style.Look("OHD", "#56B4E9", "o"),
+    "nohd": style.Look("NOHD", "#999933", "s"),
+}
+CLAIMS: Final = {
+    "ohd_as_printed": ("zhang2017", "ohd_as_printed"),
+    "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
+    "ohd": ("hausbench", "ohd_exact"),
+    "nohd": ("hausbench", "nohd_exact"),
+}
+PRINTED: Final = {
+    "ohd": "ohd_as_printed",
+    "nohd": "nohd_as_printed",
+}  # the as-printed variant of each corrected solver
 
 
 def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
     """Groups answered rows by scene and by block of BLOCK neighbouring poses.
 
-    Answers at neighbouring poses, or with several seeds at one pose, are alike; blocks count as independent.
+    Answers at neighbouring poses, or with several seeds at one pose, are alike; blocks count as
+    independent.
     """
     found: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
@@ -41,23 +53,33 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
 
 
 def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]:
-    """Returns the 95 % interval for the share of wrong answers, by a bootstrap over blocks; NaN for fewer than two blocks.
+    """Returns the 95 % interval for the share of wrong answers, by a bootstrap over blocks; NaN for
+    fewer than two blocks.
 
-    If none or all are wrong, returns the exact interval (Clopper and Pearson 1934) with each block as one answer.
+    If none or all are wrong, returns the exact interval (Clopper and Pearson 1934) with each block
+    as one answer.
     """
     parts = blocks(results, rows)
     counts = np.array([[len(wrong(results, part)), len(part)] for part in parts]).reshape(-1, 2)
     if len(parts) < 2:
         return math.nan, math.nan
     if counts[:, 0].sum() in (0, counts[:, 1].sum()):
-        whole = scipy.stats.binomtest(len(parts) if counts[0, 0] else 0, len(parts)).proportion_ci(0.95, method="exact")
+        whole = scipy.stats.binomtest(len(parts) if counts[0, 0] else 0, len(parts)).proportion_ci(
+            0.95, method="exact"
+        )
         return float(whole.low), float(whole.high)
 
     def share(bad: Floats, of: Floats, axis: int = -1) -> Floats:
         return np.asarray(bad.sum(axis=axis) / of.sum(axis=axis))
 
-    found = scipy.stats.bootstrap(tuple(counts.T.astype(float)), share, paired=True, vectorized=True, method="percentile",
-                                  random_state=np.random.default_rng(2017)).confidence_interval
+    found = scipy.stats.bootstrap(
+        tuple(counts.T.astype(float)),
+        share,
+        paired=True,
+        vectorized=True,
+        method="percentile",
+        random_state=np.random.default_rng(2017),
+    ).confidence_interval
     return float(found.low), float(found.high)
 
 
@@ -71,12 +93,19 @@ def wrong(results: Results, rows: Sequence[int]) -> list[int]:
 
 
 def printed_rate(results: Results, label: str) -> float:
-    """Returns the share of blocks in which the as-printed variant of a corrected solver is wrong; NaN if it never is.
+    """Returns the share of blocks in which the as-printed variant of a corrected solver is wrong;
+    NaN if it never is.
 
-    Uses only scenes, poses and seeds that the corrected solver answered, so that both have the same chances to err.
+    Uses only scenes, poses and seeds that the corrected solver answered, so that both have the same
+    chances to err.
     """
+
     def question(row: int) -> tuple[str, int, object]:
-        return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
+        return (
+            results.cases.scene[row],
+            int(results.cases.pose_index[row]),
+            results.options(row).get("seed"),
+        )
 
     asked = {question(row) for row in answered(results, results.rows(label=label))}
     rows = [row for row in results.rows(label=PRINTED.get(label, "")) if question(row) in asked]
@@ -88,13 +117,25 @@ def printed_rate(results: Results, label: str) -> float:
 def exactness(results: Results, label: str) -> Verdict:
     """Judges the claim that a solver is never wrong.
 
-    There must be enough trials to exclude the error rate of its as-printed variant, or RARE if that is never wrong.
+    There must be enough trials to exclude the error rate of its as-printed variant, or RARE if that
+    is never wrong.
     """
     rows = results.rows(label=label)
     rate = printed_rate(results, label)
-    bar, against = (RARE, "") if math.isnan(rate) else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")
-    return never(claims.of(*CLAIMS[label]), len(wrong(results, rows)), len(answered(results, rows)), "answers are wrong",
-                 len(blocks(results, rows)), bar, against)
+    bar, against = (
+        (RARE, "")
+        if math.isnan(rate)
+        else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")
+    )
+    return never(
+        claims.of(*CLAIMS[label]),
+        len(wrong(results, rows)),
+        len(answered(results, rows)),
+        "answers are wrong",
+        len(blocks(results, rows)),
+        bar,
+        against,
+    )
 
 
 def off(results: Results, row: int) -> float:
@@ -106,20 +147,38 @@ def off(results: Results, row: int) -> float:
 
 
 def direction(results: Results, label: str) -> str:
-    """Says how many wrong answers of a solver are too small and how many too large: '3 too small, 1 too large'."""
+    """Says how many wrong answers of a solver are too small and how many too large: '3 too small, 1
+    too large'."""
     ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
-    parts = [f"{count} too {way}" for count, way in ((sum(x < 1 for x in ratios), "small"),
-                                                     (sum(x > 1 for x in ratios), "large")) if count]
+    parts = [
+        f"{count} too {way}"
+        for count, way in (
+            (sum(x < 1 for x in ratios), "small"),
+            (sum(x > 1 for x in ratios), "large"),
+        )
+        if count
+    ]
     return f" (its wrong answers here: {', '.join(parts)})" if parts else " (no wrong answer here)"
 
 
 def make(results: Results) -> Report:
     scenes = results.scenes
     labels = [label for label in LOOKS if len(results.rows(label=label))]
-    table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017, as printed and as mended.",
-                         ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %",
-                          "answer / h, worst"],
-                         left=2)
+    table = tables.Table(
+        "Wrong answers of the algorithms of Zhang et al. 2017, as printed and as mended.",
+        [
+            "clouds",
+            "solver",
+            "poses",
+            "seeds",
+            "answers",
+            "wrong",
+            "share wrong, %",
+            "95 %",
+            "answer / h, worst",
+        ],
+        left=2,
+    )
     records: list[tables.Record] = []
     for scene in scenes:
         table.rules.add(len(table.rows))
@@ -128,41 +187,83 @@ def make(results: Results) -> Report:
             known, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
             low, high = share_interval(results, rows)
-            worst = max((x for x in (off(results, row) for row in bad) if not math.isnan(x)), key=lambda x: abs(math.log(x)) if x > 0 else math.inf,
-                        default=math.nan)
+            worst = max(
+                (x for x in (off(results, row) for row in bad) if not math.isnan(x)),
+                key=lambda x: abs(math.log(x)) if x > 0 else math.inf,
+                default=math.nan,
+            )
             poses = len({int(results.cases.pose_index[row]) for row in rows})
-            table.rows.append([scene, LOOKS[label].title, str(poses), str(seeds), f"{len(known):,}", str(len(bad)),
-                               numerals.number(100 * len(bad) / len(known)) if known else numerals.NOTHING,
-                               numerals.bounds(low, high, 2, times=100, form="{} to {}"),
-                               numerals.number(worst, 4)])
-            records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
-                         "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),
-                         "status": results.cases.status[row], "lower": float(results.cases.lower[row]),
-                         "true_lower": results.reference_of(row).lower, "true_upper": results.reference_of(row).upper,
-                         "why": results.cases.reason[row]} for row in rows]
-    notes = {results.cases.scene[row]: results.cases.scene_note[row] for row in range(len(results.cases))}
+            table.rows.append(
+                [
+                    scene,
+                    LOOKS[label].title,
+                    str(poses),
+                    str(seeds),
+                    f"{len(known):,}",
+                    str(len(bad)),
+                    numerals.number(100 * len(bad) / len(known)) if known else numerals.NOTHING,
+                    numerals.bounds(low, high, 2, times=100, form="{} to {}"),
+                    numerals.number(worst, 4),
+                ]
+            )
+            records += [
+                {
+                    "scene": scene,
+                    "label": label,
+                    "pose": int(results.cases.pose_index[row]),
+                    "x": float(results.cases.pose[row][9]),
+                    "seed": results.options(row).get("seed", ""),
+                    "status": results.cases.status[row],
+                    "lower": float(results.cases.lower[row]),
+                    "true_lower": results.reference_of(row).lower,
+                    "true_upper": results.reference_of(row).upper,
+                    "why": results.cases.reason[row],
+                }
+                for row in rows
+            ]
+    notes = {
+        results.cases.scene[row]: results.cases.scene_note[row] for row in range(len(results.cases))
+    }
     table.verdicts = [exactness(results, label) for label in labels]
-    table.notes = ["Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper bound below a certified lower bound of "
-                   f"NAIVEHDD ('unsound'). Answers at neighbouring poses are alike, so 95 % is from the bootstrap over blocks of {BLOCK} poses, and if no "
-                   "answer is wrong, from Clopper and Pearson with a block as one trial. A mended solver is not refuted if the blocks rule out a rate as "
-                   "high as the printed variant's on the same poses and seeds.",
-                   "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be "
-                   f"sqrt 3 times that apart){direction(results, 'ohd_as_printed')}; NOHD leaves the loop of Algorithm 5 "
-                   f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
-                   "Seeds: of OHD's first sample. NOHD uses no random numbers; its trials are the poses.",
-                   *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
-    shown = [scene for scene in scenes if any(wrong(results, results.rows(scene=scene, label=label)) for label in PRINTED.values())]
+    table.notes = [
+        "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper bound below a certified lower bound of "
+        f"NAIVEHDD ('unsound'). Answers at neighbouring poses are alike, so 95 % is from the bootstrap over blocks of {BLOCK} poses, and if no "
+        "answer is wrong, from Clopper and Pearson with a block as one trial. A mended solver is not refuted if the blocks rule out a rate as "
+        "high as the printed variant's on the same poses and seeds.",
+        "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be "
+        f"sqrt 3 times that apart){direction(results, 'ohd_as_printed')}; NOHD leaves the loop of Algorithm 5 "
+        f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
+        "Seeds: of OHD's first sample. NOHD uses no random numbers; its trials are the poses.",
+        *[f"{scene}: {notes[scene]}." for scene in scenes],
+        f"Here: {machine_line(results)}.",
+    ]
+    shown = [
+        scene
+        for scene in scenes
+        if any(wrong(results, results.rows(scene=scene, label=label)) for label in PRINTED.values())
+    ]
     without = ", ".join(scene for scene in scenes if scene not in shown)
-    caption = ("Wrong answers of the algorithms of Zhang et al. 2017 as printed, by the shift between the clouds: above, the share of the seeds, in "
-               "percent; below, each wrong answer as a multiple of the distance "
-               f"h.{f' Not drawn, because no answer is wrong there: {without}.' if without and shown else ''}")
-    return Report(lambda: draw(results, shown or scenes), table, records, clock=NO_TIMES, caption=caption)
+    caption = (
+        "Wrong answers of the algorithms of Zhang et al. 2017 as printed, by the shift between the clouds: above, the share of the seeds, in "
+        "percent; below, each wrong answer as a multiple of the distance "
+        f"h.{f' Not drawn, because no answer is wrong there: {without}.' if without and shown else ''}"
+    )
+    return Report(
+        lambda: draw(results, shown or scenes), table, records, clock=NO_TIMES, caption=caption
+    )
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """Draws a column per scene over the shift between the clouds: the share of wrong seeds above, the size of errors below."""
-    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row",
-                                squeeze=False)
+    """Draws a column per scene over the shift between the clouds: the share of wrong seeds above,
+    the size of errors below."""
+    figure, axes = plt.subplots(
+        2,
+        len(scenes),
+        figsize=(style.DOUBLE_COLUMN, 3.0),
+        sharex="col",
+        sharey="row",
+        squeeze=False,
+    )
     labels = [label for label in LOOKS if label.endswith("as_printed")]
     for (upper, lower), scene in zip(axes.T, scenes):
         for label in labels:
@@ -176,11 +277,17 @@ def draw(results: Results, scenes: list[str]) -> Any:
             looks = LOOKS[label]
             upper.plot(shifts, shares, color=looks.colour, linewidth=0.7, drawstyle="steps-mid")
             seen = [(x, share) for x, share in zip(shifts, shares) if share > 0]
-            upper.plot([x for x, _ in seen], [share for _, share in seen],
-                       **{**style.filled_marker(looks), "markersize": 2.8})
+            upper.plot(
+                [x for x, _ in seen],
+                [share for _, share in seen],
+                **{**style.filled_marker(looks), "markersize": 2.8},
+            )
             bad = wrong(results, rows)
-            lower.plot([results.cases.pose[row][9] for row in bad], [off(results, row) for row in bad],
-                       **{**style.open_marker(looks), "markersize": 3.2})
+            lower.plot(
+                [results.cases.pose[row][9] for row in bad],
+                [off(results, row) for row in bad],
+                **{**style.open_marker(looks), "markersize": 3.2},
+            )
             lower.margins(y=0.1)
             if len(shifts) > 1:
                 room = 0.03 * (shifts[-1] - shifts[0])  # room for whole markers at both ends
@@ -190,10 +297,23 @@ def draw(results: Results, scenes: list[str]) -> Any:
         upper.set_ylim(-4, 104)
         lower.set_xlabel("shift along x (units of the model)")
         if not any(wrong(results, results.rows(scene=scene, label=label)) for label in labels):
-            lower.text(0.5, 0.3, "no wrong answers", transform=lower.transAxes, ha="center", fontsize=7, color=style.GREY)
+            lower.text(
+                0.5,
+                0.3,
+                "no wrong answers",
+                transform=lower.transAxes,
+                ha="center",
+                fontsize=7,
+                color=style.GREY,
+            )
         lower.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5, prune="both"))
     axes[0][0].set_ylabel("wrong answers (%)")
     axes[1][0].set_ylabel("wrong answer / h")
-    style.legend_above(figure, [Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
-                                for label in labels])
+    style.legend_above(
+        figure,
+        [
+            Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
+            for label in labels
+        ],
+    )
     return figure

@@ -15,26 +15,56 @@ CONSTANT = 1.25  # factor within which times count as constant: the paper gives 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
     deepest = max(sweep.values, default=0.0)
-    return [*[sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST) for scene in sweep.scenes],
-            sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0),
-            sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0), *[build_by_depth(sweep, scene) for scene in sweep.scenes]]
+    return [
+        *[
+            sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST)
+            for scene in sweep.scenes
+        ],
+        sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0),
+        sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0),
+        *[build_by_depth(sweep, scene) for scene in sweep.scenes],
+    ]
 
 
 def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Judges the claim on the time to build the octree by its depth: time / depth, by round, should be constant."""
+    """Judges the claim on the time to build the octree by its depth: time / depth, by round, should
+    be constant."""
     claim = claims.of("zhang2017", "build_by_depth", f"{scene} points")
-    cells = [(depth, cell) for depth in sweep.values if (cell := sweep.cells.get((scene, depth))) and not cell.failures]
+    cells = [
+        (depth, cell)
+        for depth in sweep.values
+        if (cell := sweep.cells.get((scene, depth))) and not cell.failures
+    ]
     if why := reason_apart(one for _, cell in cells for one in cell.origins):
         return Verdict(claim, UNTESTED, f"times {why}")
-    built = [(depth, [time for row in cell.cases for time in sweep.results.prepare_by_round(row).values() if time > 0]) for depth, cell in cells]
-    return constant(claim, [[time / depth for time in times] for depth, times in built if times], CONSTANT)
+    built = [
+        (
+            depth,
+            [
+                time
+                for row in cell.cases
+                for time in sweep.results.prepare_by_round(row).values()
+                if time > 0
+            ],
+        )
+        for depth, cell in cells
+    ]
+    return constant(
+        claim, [[time / depth for time in times] for depth, times in built if times], CONSTANT
+    )
 
 
 SPEC = zhang_sweep.Spec(
     "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
-    "depth", "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, (),
+    "depth",
+    "depth of the octree",
+    lambda value: f"{value:g}",
+    6.0,
+    verdicts,
+    (),
     "Ratios are paired by rounds in which the depths took turns. Greater than 6 is judged at the greatest depth, smaller than 5 at depth 1. The octree is "
-    "built to the requested depth, as in the paper.")
+    "built to the requested depth, as in the paper.",
+)
 
 
 def make(results: Results) -> Report:

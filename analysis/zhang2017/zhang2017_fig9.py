@@ -22,17 +22,32 @@ def text_of(value: float) -> str:
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
-    found = [sweep.least(claims.of("zhang2017", "lambda_best", f"{scene} points"), scene, [BEST]) for scene in sweep.scenes]
-    for claim, value in (("lambda_larger", max(sweep.values, default=math.nan)), ("lambda_smaller", min(sweep.values, default=math.nan))):
-        found.append(sweep.everywhere(claims.of("zhang2017", claim, value=text_of(value)), value, BEST))
-    found += [sweep.least(claims.of("zhang2017", "lambda_recommended", f"{scene} points"), scene, [RECOMMENDED]) for scene in sweep.scenes]
+    found = [
+        sweep.least(claims.of("zhang2017", "lambda_best", f"{scene} points"), scene, [BEST])
+        for scene in sweep.scenes
+    ]
+    for claim, value in (
+        ("lambda_larger", max(sweep.values, default=math.nan)),
+        ("lambda_smaller", min(sweep.values, default=math.nan)),
+    ):
+        found.append(
+            sweep.everywhere(claims.of("zhang2017", claim, value=text_of(value)), value, BEST)
+        )
+    found += [
+        sweep.least(
+            claims.of("zhang2017", "lambda_recommended", f"{scene} points"), scene, [RECOMMENDED]
+        )
+        for scene in sweep.scenes
+    ]
     return found + [ahd_culls(sweep, scene) for scene in sweep.scenes]
 
 
 def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Judges the claim on lambda and the number of culled points, by their correlation for each seed.
+    """Judges the claim on lambda and the number of culled points, by their correlation for each
+    seed.
 
-    For one seed the AHD, the distance of the sample, cannot fall as lambda grows: a longer sample contains the shorter.
+    For one seed the AHD, the distance of the sample, cannot fall as lambda grows: a longer sample
+    contains the shorter.
     """
     by_seed: dict[int, list[tuple[float, float]]] = {}
     for value in sweep.values:
@@ -40,20 +55,34 @@ def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
         for row in cell.cases if cell else ():
             extras = sweep.results.extras(row)
             if sweep.results.cases.status[row] == "ok" and "culled" in extras:
-                by_seed.setdefault(int(sweep.results.options(row).get("seed", 0)), []).append((value, extras["culled"]))
-    return rising_by_run(claims.of("zhang2017", "ahd_culls", f"{scene} points"), [([x for x, _ in run], [y for _, y in run]) for run in by_seed.values()])
+                by_seed.setdefault(int(sweep.results.options(row).get("seed", 0)), []).append(
+                    (value, extras["culled"])
+                )
+    return rising_by_run(
+        claims.of("zhang2017", "ahd_culls", f"{scene} points"),
+        [([x for x, _ in run], [y for _, y in run]) for run in by_seed.values()],
+    )
 
 
 def culled(results: Results, cell: Cell) -> float:
-    shares = [100 * results.extras(row)["culled"] / results.cases.source_elements[row] for row in cell.cases
-              if "culled" in results.extras(row)]
+    shares = [
+        100 * results.extras(row)["culled"] / results.cases.source_elements[row]
+        for row in cell.cases
+        if "culled" in results.extras(row)
+    ]
     return float(np.median(shares)) if shares else math.nan
 
 
 SPEC = zhang_sweep.Spec(
     "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
-    "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, (("culled, %", culled),),
-    "n counts the seeds of the sample, each by its median. The line marks the 1/100 that the paper recommends.")
+    "lambda",
+    "points of A in the first sample, λ |A|: λ",
+    text_of,
+    RECOMMENDED,
+    verdicts,
+    (("culled, %", culled),),
+    "n counts the seeds of the sample, each by its median. The line marks the 1/100 that the paper recommends.",
+)
 
 
 def make(results: Results) -> Report:

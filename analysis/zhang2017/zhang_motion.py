@@ -1,8 +1,9 @@
 """Figures 10 and 11 of Zhang et al. 2017: one model moves through another, and each pose is timed.
 
-Neighbouring poses are alike, and one process answers all poses of a round, so poses are not independent. Each round
-gives one number, the median over the poses of a *regime* (models apart, touching, overlapping), and intervals are over
-rounds. Times of randomized solvers are of the first seed; counted work has one number per seed.
+Neighbouring poses are alike, and one process answers all poses of a round, so poses are not
+independent. Each round gives one number, the median over the poses of a *regime* (models apart,
+touching, overlapping), and intervals are over rounds. Times of randomized solvers are of the first
+seed; counted work has one number per seed.
 """
 
 from __future__ import annotations
@@ -22,23 +23,48 @@ from analysis.shared.comparable import apart, origins, reason_apart
 from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.estimates import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
-from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one, all_of, greatest, rising_by_run, weighed
+from analysis.shared.estimates import (
+    NO_DATA,
+    Estimate,
+    exact,
+    median,
+    one_draw,
+    paired_ratio,
+    ratio_by_round,
+)
+from analysis.shared.verdicts import (
+    ERROR,
+    FAILS,
+    HOLDS,
+    OPEN,
+    UNTESTED,
+    Verdict,
+    above_one,
+    all_of,
+    greatest,
+    rising_by_run,
+    weighed,
+)
 from analysis.zhang2017 import motion_picture
 
 CAPTIONS: Final = {
     "zhang2017_fig10": "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017).",
-    "zhang2017_fig11": "A gear moved and turned through one of another shape and size (Fig. 11 of Zhang et al. 2017)."}
+    "zhang2017_fig11": "A gear moved and turned through one of another shape and size (Fig. 11 of Zhang et al. 2017).",
+}
 WORK: Final = "distances, bounds and nodes"
 THETA: Final = 0.33
 REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
 SHADES: Final = {"apart": "#FFFFFF", "touching": "#F4F4F4", "overlapping": "#E6E6E6"}
 COMPARED: Final = (  # claim, regime, slower solver, faster solver
-                   ("apart", "apart", "earlybreak", "nohd"),
-                   ("touching", "touching", "ohd", "earlybreak"),
-                   ("overlapping", "overlapping", "earlybreak", "ohd"),
-                   ("nohd_overlapping", "overlapping", "nohd", "ohd"))
-CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # claim, regime, whether more than HALF are culled
+    ("apart", "apart", "earlybreak", "nohd"),
+    ("touching", "touching", "ohd", "earlybreak"),
+    ("overlapping", "overlapping", "earlybreak", "ohd"),
+    ("nohd_overlapping", "overlapping", "nohd", "ohd"),
+)
+CULLED: Final = (
+    ("few_culled", "touching", False),
+    ("many_culled", "overlapping", True),
+)  # claim, regime, whether more than HALF are culled
 HALF: Final = 0.5  # share of A that counts as many points
 
 
@@ -59,21 +85,39 @@ class Motion:
         cases = results.cases
         self.results, self.scene = results, scene
         by_pose: dict[int, dict[str, list[int]]] = {}
-        for row in sorted(results.rows(scene=scene), key=lambda row: int(results.options(row).get("seed", 0))):
-            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(cases.label[row], []).append(row)
+        for row in sorted(
+            results.rows(scene=scene), key=lambda row: int(results.options(row).get("seed", 0))
+        ):
+            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(
+                cases.label[row], []
+            ).append(row)
         self.poses = []
         for index, seeds in sorted(by_pose.items()):
             rows = {label: own[0] for label, own in seeds.items()}
             first = next(iter(rows.values()))
-            self.poses.append(Pose(index, float(cases.pose[first][9]), rows, seeds, _regime(results, rows),
-                                   results.middle(first)))
+            self.poses.append(
+                Pose(
+                    index,
+                    float(cases.pose[first][9]),
+                    rows,
+                    seeds,
+                    _regime(results, rows),
+                    results.middle(first),
+                )
+            )
         first = results.rows(scene=scene)[0]
         self.sizes = results.sizes(first)
-        self.labels = style.order((cases.solver[row], cases.label[row]) for row in results.rows(scene=scene))
+        self.labels = style.order(
+            (cases.solver[row], cases.label[row]) for row in results.rows(scene=scene)
+        )
 
     def rounds(self, pose: Pose, label: str) -> dict[int, float]:
         row = pose.rows.get(label)
-        return {} if row is None or self.results.cases.status[row] != "ok" else self.results.solve_by_round(row)
+        return (
+            {}
+            if row is None or self.results.cases.status[row] != "ok"
+            else self.results.solve_by_round(row)
+        )
 
     def time(self, pose: Pose, label: str) -> Estimate:
         return median(list(self.rounds(pose, label).values()))
@@ -83,36 +127,65 @@ class Motion:
         return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
 
     def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
-        """Returns the counted work of each seed. Empty if a seed has no answer, because only slow ones would be missing."""
+        """Returns the counted work of each seed. Empty if a seed has no answer, because only slow
+        ones would be missing."""
         rows, counters = pose.seeds.get(label, []), self.results.cases.counters
         if any(self.results.cases.status[row] != "ok" for row in rows):
             return []
-        return [float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) for row in rows]
+        return [
+            float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters))
+            for row in rows
+        ]
 
-    def work_ratio(self, poses: Sequence[tuple[Pose, Pose]], slow: str, fast: str, what: str, chosen: bool = False) -> Estimate:
-        """Returns the median over pairs of poses of the ratio of counted work, exact for deterministic solvers, else over seeds.
+    def work_ratio(
+        self,
+        poses: Sequence[tuple[Pose, Pose]],
+        slow: str,
+        fast: str,
+        what: str,
+        chosen: bool = False,
+    ) -> Estimate:
+        """Returns the median over pairs of poses of the ratio of counted work, exact for
+        deterministic solvers, else over seeds.
 
         `chosen` leaves out the first seed, by whose counts the caller chose the poses.
         """
-        known = [(a, b) for p, q in poses
-                 if (a := self.work_by_seed(p, slow, what)) and (b := self.work_by_seed(q, fast, what)) and min(a + b) > 0]
+        known = [
+            (a, b)
+            for p, q in poses
+            if (a := self.work_by_seed(p, slow, what))
+            and (b := self.work_by_seed(q, fast, what))
+            and min(a + b) > 0
+        ]
         if not known:
             return NO_DATA
         seeds = min((len(x) for pair in known for x in pair if len(x) > 1), default=1)
-        ratios = [float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in known])) for i in range(seeds)]
-        alone = [p.rows[label] for pair in poses for p, label in zip(pair, (slow, fast)) if len(p.seeds.get(label, [])) == 1]
+        ratios = [
+            float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in known]))
+            for i in range(seeds)
+        ]
+        alone = [
+            p.rows[label]
+            for pair in poses
+            for p, label in zip(pair, (slow, fast))
+            if len(p.seeds.get(label, [])) == 1
+        ]
         if any(takes_seed(self.results, row) for row in alone):
             return one_draw(ratios[0])
-        used = ratios[1 if chosen else 0:]
+        used = ratios[1 if chosen else 0 :]
         return paired_ratio(used, [1.0] * len(used)) if seeds > 1 else exact(ratios[0])
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
         """Returns the times of these solvers at each pose of the regime at which all were timed."""
-        return [tuple(self.time(p, label).value for label in labels) for p in self.poses
-                if p.regime == regime and all(self.time(p, label).n for label in labels)]
+        return [
+            tuple(self.time(p, label).value for label in labels)
+            for p in self.poses
+            if p.regime == regime and all(self.time(p, label).n for label in labels)
+        ]
 
     def ratio(self, regime: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns the median ratio of times over the poses of a regime, with an interval over rounds.
+        """Returns the median ratio of times over the poses of a regime, with an interval over
+        rounds.
 
         With `what`, returns the ratio of counted work, which differs between seeds, not rounds.
         """
@@ -121,31 +194,49 @@ class Motion:
             return self.work_ratio([(p, p) for p in poses], slow, fast, what)
         both = [p for p in poses if self.rounds(p, slow) and self.rounds(p, fast)]
         lacking = [apart(origins(self.results, (p.rows[slow], p.rows[fast]))) for p in both]
-        pairs = [(self.rounds(p, slow), self.rounds(p, fast)) for p, lacks in zip(both, lacking) if not lacks]
+        pairs = [
+            (self.rounds(p, slow), self.rounds(p, fast))
+            for p, lacks in zip(both, lacking)
+            if not lacks
+        ]
         if both and not pairs:
             return next(lacks for lacks in lacking if lacks)
         shared = set.intersection(*[a.keys() & b.keys() for a, b in pairs]) if pairs else set[int]()
-        medians = [math.exp(float(np.median([math.log(a[i] / b[i]) for a, b in pairs]))) for i in sorted(shared)]
+        medians = [
+            math.exp(float(np.median([math.log(a[i] / b[i]) for a, b in pairs])))
+            for i in sorted(shared)
+        ]
         return paired_ratio(medians, [1.0] * len(medians))
 
     def verdicts(self) -> list[Verdict]:
-        labels = [label for label in ("earlybreak", "adaptive") if any(label in p.rows for p in self.poses)]
+        labels = [
+            label
+            for label in ("earlybreak", "adaptive")
+            if any(label in p.rows for p in self.poses)
+        ]
         found = [judge(label) for judge in (self.peak, self.nearer) for label in labels]
         for name, regime, slow, fast in COMPARED:
             claim = claims.of("zhang2017", name, self.scene)
             times = self.times(regime, slow, fast)
-            evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
-                        f"{numerals.number(1000 * max((b for _, b in times), default=math.nan))} against "
-                        f"{numerals.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
-                        f"{style.title(slow)} / {style.title(fast)}")
+            evidence = (
+                f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
+                f"{numerals.number(1000 * max((b for _, b in times), default=math.nan))} against "
+                f"{numerals.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
+                f"{style.title(slow)} / {style.title(fast)}"
+            )
             titles = f"median of {style.title(slow)} / {style.title(fast)}"
-            counted = {what: above_one(claim, self.ratio(regime, slow, fast, what), titles) for what in MEASURES}
-            found.append(above_one(claim, self.ratio(regime, slow, fast), evidence)
-                         .with_counts(counted))
+            counted = {
+                what: above_one(claim, self.ratio(regime, slow, fast, what), titles)
+                for what in MEASURES
+            }
+            found.append(
+                above_one(claim, self.ratio(regime, slow, fast), evidence).with_counts(counted)
+            )
         return [*found, *[self.culled(*one) for one in CULLED], *self.worst_case()]
 
     def nearer(self, label: str) -> Verdict:
-        """Judges the claim that nearer poses take longer, by a correlation per round; for counted work, per seed."""
+        """Judges the claim that nearer poses take longer, by a correlation per round; for counted
+        work, per seed."""
         claim = claims.of("zhang2017", "nearer", self.scene, solver=style.title(label))
         timed = [p for p in self.poses if self.time(p, label).n and math.isfinite(p.distance)]
         x = [-p.distance for p in timed]
@@ -153,7 +244,13 @@ class Motion:
         def judge(what: str) -> Verdict:
             if what:
                 counts = [self.work_by_seed(p, label, what) for p in timed]
-                return rising_by_run(claim, [(x, [one[i] for one in counts]) for i in range(min(map(len, counts), default=0))])
+                return rising_by_run(
+                    claim,
+                    [
+                        (x, [one[i] for one in counts])
+                        for i in range(min(map(len, counts), default=0))
+                    ],
+                )
             if why := reason_apart(origins(self.results, [p.rows[label] for p in timed])):
                 return Verdict(claim, UNTESTED, f"times {why}")
             times = [self.rounds(p, label) for p in timed]
@@ -163,37 +260,79 @@ class Motion:
         return in_time_and_work(judge)
 
     def culled(self, name: str, regime: str, more: bool) -> Verdict:
-        """Judges the claim that OHD culls more (or less) than HALF of A: median over the poses of a regime, per seed."""
+        """Judges the claim that OHD culls more (or less) than HALF of A: median over the poses of a
+        regime, per seed."""
         claim = claims.of("zhang2017", name, self.scene)
         cases = self.results.cases
-        shares = [[self.results.extras(row).get("culled", math.nan) / int(cases.source_elements[row]) if cases.status[row] == "ok" else math.nan
-                   for row in pose.seeds.get("ohd", [])] for pose in self.poses if pose.regime == regime]
+        shares = [
+            [
+                self.results.extras(row).get("culled", math.nan) / int(cases.source_elements[row])
+                if cases.status[row] == "ok"
+                else math.nan
+                for row in pose.seeds.get("ohd", [])
+            ]
+            for pose in self.poses
+            if pose.regime == regime
+        ]
         known = [one for one in shares if one and all(map(math.isfinite, one))]
-        share = median([float(np.median([one[i] for one in known])) for i in range(min(map(len, known), default=0))])
+        share = median(
+            [
+                float(np.median([one[i] for one in known]))
+                for i in range(min(map(len, known), default=0))
+            ]
+        )
         if not share.n:
             return Verdict(claim, UNTESTED, "no pose says how many points were culled")
         sure = share.has_interval and share.coverage >= 1 - ERROR
         above, below = sure and share.low > HALF, sure and share.high < HALF
-        outcome = HOLDS if (above if more else below) else FAILS if (below if more else above) else OPEN
-        return weighed(Verdict(claim, outcome, f"{numerals.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
+        outcome = (
+            HOLDS if (above if more else below) else FAILS if (below if more else above) else OPEN
+        )
+        return weighed(
+            Verdict(
+                claim,
+                outcome,
+                f"{numerals.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds",
+            ),
+            [share],
+        )
 
     def worst_case(self) -> list[Verdict]:
-        """Judges the claim that EARLYBREAK computes |A| * |B| distances if the distance is 0, for every seed and such pose.
+        """Judges the claim that EARLYBREAK computes |A| * |B| distances if the distance is 0, for
+        every seed and such pose.
 
         Empty if there are no such poses.
         """
         poses, cases = [p for p in self.poses if p.distance == 0], self.results.cases
         counts = [count for p in poses for count in self.work_by_seed(p, "earlybreak", "distances")]
-        pairs = [int(cases.source_elements[row]) * int(cases.target_elements[row]) for p in poses for row in p.rows.values()]
+        pairs = [
+            int(cases.source_elements[row]) * int(cases.target_elements[row])
+            for p in poses
+            for row in p.rows.values()
+        ]
         claim = claims.of("zhang2017", "worst_case", self.scene)
-        return [all_of(claim, sum(count != pairs[0] for count in counts), len(counts), len(counts), "runs, each with a seed of its own")] if poses else []
+        return (
+            [
+                all_of(
+                    claim,
+                    sum(count != pairs[0] for count in counts),
+                    len(counts),
+                    len(counts),
+                    "runs, each with a seed of its own",
+                )
+            ]
+            if poses
+            else []
+        )
 
     def peak(self, label: str) -> Verdict:
-        """Judges the claim that the time is greatest where the models overlap most, which is at the least distance.
+        """Judges the claim that the time is greatest where the models overlap most, which is at the
+        least distance.
 
-        The pose there, and the pose elsewhere that may refute the claim, are chosen by counted work, because choosing by
-        the times that are then compared would err too often. For the same reason, if counts are compared, the first
-        seed chooses and only the other seeds are compared.
+        The pose there, and the pose elsewhere that may refute the claim, are chosen by counted
+        work, because choosing by the times that are then compared would err too often. For the same
+        reason, if counts are compared, the first seed chooses and only the other seeds are
+        compared.
         """
         claim = claims.of("zhang2017", "peak", self.scene, solver=style.title(label))
         timed = [p for p in self.poses if self.time(p, label).n]
@@ -206,28 +345,55 @@ class Motion:
         far = [p for p in timed if p not in near]
 
         def verdict(what: str) -> Verdict:
-            top = max(timed, key=lambda p: self.work(p, label, what) if what else self.time(p, label).value)
+            top = max(
+                timed,
+                key=lambda p: self.work(p, label, what) if what else self.time(p, label).value,
+            )
             text = f"greatest at x = {top.shift:.3g}, least distance at x = {nearest.shift:.3g}"
-            here, rival = (max(poses, key=lambda p: self.work(p, label, what or WORK)) for poses in (near, far))
-            return greatest(claim, [ratio(here, p, what) for p in far], ratio(here, rival, what), text)
+            here, rival = (
+                max(poses, key=lambda p: self.work(p, label, what or WORK)) for poses in (near, far)
+            )
+            return greatest(
+                claim, [ratio(here, p, what) for p in far], ratio(here, rival, what), text
+            )
 
         def ratio(a: Pose, b: Pose, what: str) -> Estimate:
             if what:
                 return self.work_ratio([(a, b)], label, label, what, chosen=True)
-            return apart(origins(self.results, (a.rows[label], b.rows[label]))) or ratio_by_round(self.rounds(a, label), self.rounds(b, label))
+            return apart(origins(self.results, (a.rows[label], b.rows[label]))) or ratio_by_round(
+                self.rounds(a, label), self.rounds(b, label)
+            )
 
-        if not far or not all(math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES):
+        if not far or not all(
+            math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES
+        ):
             return Verdict(claim, UNTESTED, "no pose far from there, or nothing counted")
         return in_time_and_work(verdict)
 
     def reuse(self) -> list[str]:
-        """Returns notes on structures that were not built again, by reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
+        """Returns notes on structures that were not built again, by reason: 'built once ...: saved
+        NOHD 12.3 ms, OHD 13.1 ms'."""
         ledger, found = self.results.ledger, dict[str, dict[str, str]]()
-        for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
-            solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
+        for subject, what, reason, seconds in zip(
+            ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved
+        ):
+            solver = next(
+                (
+                    pair
+                    for pair in self.labels
+                    if subject.endswith(f" on {self.scene}")
+                    and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]
+                ),
+                None,
+            )
             if solver and what == "structures for each pose":
-                found.setdefault(str(reason), {}).setdefault(style.title(*solver), f"{numerals.number(1000 * seconds)} ms")
-        return [f"{reason}: saved {', '.join(f'{title} {saved}' for title, saved in own.items())}" for reason, own in found.items()]
+                found.setdefault(str(reason), {}).setdefault(
+                    style.title(*solver), f"{numerals.number(1000 * seconds)} ms"
+                )
+        return [
+            f"{reason}: saved {', '.join(f'{title} {saved}' for title, saved in own.items())}"
+            for reason, own in found.items()
+        ]
 
 
 def _regime(results: Results, rows: dict[str, int]) -> str:
@@ -243,10 +409,21 @@ def make(results: Results) -> Report:
     motions = [Motion(results, scene) for scene in results.scenes]
     labels = style.order(pair for motion in motions for pair in motion.labels)
     clock = clock_word(results)
-    table = tables.Table(f"{caption} {clock_title(results)} to solve a pose, µs: median over the poses of each kind.",
-                         ["models", "|A| / |B|", "poses", *[style.title(*pair) for pair in labels],
-                          *[f"EARLYBREAK / {title}{what and ', '}{what}" for title in ("NOHD", "OHD")
-                            for what in ("", *MEASURES)]], left=2)
+    table = tables.Table(
+        f"{caption} {clock_title(results)} to solve a pose, µs: median over the poses of each kind.",
+        [
+            "models",
+            "|A| / |B|",
+            "poses",
+            *[style.title(*pair) for pair in labels],
+            *[
+                f"EARLYBREAK / {title}{what and ', '}{what}"
+                for title in ("NOHD", "OHD")
+                for what in ("", *MEASURES)
+            ],
+        ],
+        left=2,
+    )
     records: list[tables.Record] = []
     for motion in motions:
         table.rules.add(len(table.rows))
@@ -261,63 +438,135 @@ def make(results: Results) -> Report:
                 known = [t.value for t in times if t.n]
                 text = numerals.number(1e6 * float(np.median(known))) if known else numerals.NOTHING
                 cells.append(text + (f" ({failed} failed)" if failed else ""))
-            table.rows.append([f"{motion.scene}, {title}", motion.sizes, str(len(poses)), *cells,
-                               *[numerals.ratio(motion.ratio(regime, "earlybreak", label, what))
-                                 for label in ("nohd", "ohd") for what in ("", *MEASURES)]])
+            table.rows.append(
+                [
+                    f"{motion.scene}, {title}",
+                    motion.sizes,
+                    str(len(poses)),
+                    *cells,
+                    *[
+                        numerals.ratio(motion.ratio(regime, "earlybreak", label, what))
+                        for label in ("nohd", "ohd")
+                        for what in ("", *MEASURES)
+                    ],
+                ]
+            )
         for pose in motion.poses:
             for _, label in labels:
                 if label in pose.rows:
                     row, t = pose.rows[label], motion.time(pose, label)
-                    records.append({"scene": motion.scene, "pose": pose.index, "x": pose.shift, "regime": pose.regime,
-                                    "label": label, "status": results.cases.status[row], **tables.seconds(t),
-                                    "prepare_seconds": results.prepare_seconds(row), "distance": pose.distance,
-                                    **results.extras(row), **results.facts(row)})
-    reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
-    counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
+                    records.append(
+                        {
+                            "scene": motion.scene,
+                            "pose": pose.index,
+                            "x": pose.shift,
+                            "regime": pose.regime,
+                            "label": label,
+                            "status": results.cases.status[row],
+                            **tables.seconds(t),
+                            "prepare_seconds": results.prepare_seconds(row),
+                            "distance": pose.distance,
+                            **results.extras(row),
+                            **results.facts(row),
+                        }
+                    )
+    reused = [
+        f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()
+    ]
+    counts = sorted(
+        {motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows}
+        - {0}
+    )
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
-    table.notes = ["A ratio is the median over the poses of a kind, one number per round (a fresh process that answers all poses); brackets: over n = "
-                   f"{' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number per seed: one seed (n = 1) "
-                   "separates nothing. Times, and the poses of the peak (by counted work), are those of the first seed. α: overlap of the boxes, as a "
-                   "fraction of the smaller one.",
-                   "Structures are built once in A's frame and serve every pose; building them is "
-                   "not in these times. " + (" ".join(reused) or "The time that this saved was not recorded."),
-                   f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(motions, labels, reused, clock), table, records, caption=figure_caption(caption, motions, clock))
+    table.notes = [
+        "A ratio is the median over the poses of a kind, one number per round (a fresh process that answers all poses); brackets: over n = "
+        f"{' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number per seed: one seed (n = 1) "
+        "separates nothing. Times, and the poses of the peak (by counted work), are those of the first seed. α: overlap of the boxes, as a "
+        "fraction of the smaller one.",
+        "Structures are built once in A's frame and serve every pose; building them is "
+        "not in these times. " + (" ".join(reused) or "The time that this saved was not recorded."),
+        f"Here: {machine_line(results)}.",
+    ]
+    return Report(
+        lambda: draw(motions, labels, reused, clock),
+        table,
+        records,
+        caption=figure_caption(caption, motions, clock),
+    )
 
 
 def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
     """Returns the caption with an explanation of each row of panels."""
-    notes = {motion.scene: str(motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]) for motion in motions}
+    notes = {
+        motion.scene: str(
+            motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]
+        )
+        for motion in motions
+    }
     shapes = "; ".join(f"{scene}: {note}" for scene, note in notes.items() if note)
-    return (f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "
-            "median over the rounds, and its band the interval of the median (markers: every fourth pose). Bottom: the distance. The background shows how much the "
-            f"boxes of A and B overlap: α is the overlap as a fraction of the smaller box.{f' Models: {shapes}.' if shapes else ''}")
+    return (
+        f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "
+        "median over the rounds, and its band the interval of the median (markers: every fourth pose). Bottom: the distance. The background shows how much the "
+        f"boxes of A and B overlap: α is the overlap as a fraction of the smaller box.{f' Models: {shapes}.' if shapes else ''}"
+    )
 
 
-def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
-    """Draws a column per scene: models, times, distance. The background is grey where the boxes of A and B overlap."""
-    figure, axes = plt.subplots(3, len(motions), figsize=(style.DOUBLE_COLUMN, 4.7), squeeze=False, height_ratios=(1, 2.4, 1))
+def draw(
+    motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str
+) -> Any:
+    """Draws a column per scene: models, times, distance. The background is grey where the boxes of
+    A and B overlap."""
+    figure, axes = plt.subplots(
+        3,
+        len(motions),
+        figsize=(style.DOUBLE_COLUMN, 4.7),
+        squeeze=False,
+        height_ratios=(1, 2.4, 1),
+    )
     for (top, upper, lower), motion in zip(axes.T, motions):
-        motion_picture.draw(top, motion.results, [next(iter(pose.rows.values())) for pose in motion.poses])
+        motion_picture.draw(
+            top, motion.results, [next(iter(pose.rows.values())) for pose in motion.poses]
+        )
         upper.sharex(lower)
         upper.tick_params(labelbottom=False)
         shifts = [pose.shift for pose in motion.poses]
         edges = [shifts[0], *[(a + b) / 2 for a, b in zip(shifts, shifts[1:])], shifts[-1]]
         for pose, left, right in zip(motion.poses, edges, edges[1:]):
             for ax in (upper, lower):
-                ax.axvspan(left, right, color=SHADES.get(pose.regime, "#FFFFFF"), linewidth=0, zorder=0)
+                ax.axvspan(
+                    left, right, color=SHADES.get(pose.regime, "#FFFFFF"), linewidth=0, zorder=0
+                )
         marks = []
         for solver, label in labels:
             looks = style.look(solver, label)
-            timed = [(pose.shift, motion.time(pose, label)) for pose in motion.poses if motion.time(pose, label).n]
+            timed = [
+                (pose.shift, motion.time(pose, label))
+                for pose in motion.poses
+                if motion.time(pose, label).n
+            ]
             if timed:
                 x = [shift for shift, _ in timed]
-                upper.plot(x, [t.value for _, t in timed], color=looks.colour, linestyle=looks.line, linewidth=0.7)
-                upper.fill_between(x, [t.low for _, t in timed], [t.high for _, t in timed], color=looks.colour,
-                                   alpha=0.25, linewidth=0)
+                upper.plot(
+                    x,
+                    [t.value for _, t in timed],
+                    color=looks.colour,
+                    linestyle=looks.line,
+                    linewidth=0.7,
+                )
+                upper.fill_between(
+                    x,
+                    [t.low for _, t in timed],
+                    [t.high for _, t in timed],
+                    color=looks.colour,
+                    alpha=0.25,
+                    linewidth=0,
+                )
                 upper.plot(x[::4], [t.value for _, t in timed][::4], **style.filled_marker(looks))
-            failed = {str(motion.results.cases.status[pose.rows[label]]) for pose in motion.poses
-                      if label in pose.rows and not motion.time(pose, label).n}
+            failed = {
+                str(motion.results.cases.status[pose.rows[label]])
+                for pose in motion.poses
+                if label in pose.rows and not motion.time(pose, label).n
+            }
             marks += [(looks, style.status_letter(status)) for status in sorted(failed)]
         style.margin_marks(upper, marks, 120)
         top.set_title(f"{motion.scene}, {motion.sizes} points")
@@ -327,9 +576,16 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
     axes[1][0].set_ylabel(f"{clock} to solve a pose (s)")
     axes[2][0].set_ylabel("h(A, B)\n(units of the model)")
-    entries = style.handles(labels) + [Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
-                                                 linewidth=0.4, label=title) for regime, title in REGIMES]
+    entries = style.handles(labels) + [
+        Rectangle(
+            (0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999", linewidth=0.4, label=title
+        )
+        for regime, title in REGIMES
+    ]
     style.legend_above(figure, entries, columns=4)
     if reused:
-        figure.supxlabel("Structures are built once and used for all poses; the times do not include that.", fontsize=7)
+        figure.supxlabel(
+            "Structures are built once and used for all poses; the times do not include that.",
+            fontsize=7,
+        )
     return figure

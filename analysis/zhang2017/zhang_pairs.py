@@ -1,4 +1,5 @@
-"""Tables 1 and 2 of Zhang et al. 2017: a solver with and without one of its parts, on pairs of random clouds."""
+"""Tables 1 and 2 of Zhang et al. 2017: a solver with and without one of its parts, on pairs of
+random clouds."""
 
 from __future__ import annotations
 
@@ -32,20 +33,28 @@ class Spec:
     gains: str  # id of the paper's claim
     others: tuple[str, ...]  # more labels, one column each
     notes: list[str]
-    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]] = lambda *_: []  # more columns: header, text, number
+    extra: Callable[
+        [Results, str, dict[str, Cell]], list[tuple[str, str, float]]
+    ] = lambda *_: []  # more columns: header, text, number
 
 
 class Pair:
-    """One scene. Both variants build the same structure, so both get the shorter of their two preparation times.
+    """One scene. Both variants build the same structure, so both get the shorter of their two
+    preparation times.
 
-    With several seeds each keeps its own times, because medians even out differences in preparation.
+    With several seeds each keeps its own times, because medians even out differences in
+    preparation.
     """
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
         cases = results.cases
         self.scene, self.number = scene, int(scene.split()[-1])
         labels = (spec.without, spec.with_it, *spec.others)
-        self.cells = {label: Cell(results, rows) for label in labels if (rows := results.rows(scene=scene, label=label))}
+        self.cells = {
+            label: Cell(results, rows)
+            for label in labels
+            if (rows := results.rows(scene=scene, label=label))
+        }
         first = results.rows(scene=scene)[0]
         self.n, self.m = int(cases.source_elements[first]), int(cases.target_elements[first])
         slow, fast = self.cells.get(spec.without), self.cells.get(spec.with_it)
@@ -56,7 +65,9 @@ class Pair:
             if slow.rows == 1 and fast.rows == 1:
                 slow.share_preparation(fast)
             self.ratio = compare(slow, fast)
-            self.counted = {what: compare_work(slow, fast, names) for what, names in MEASURES.items()}
+            self.counted = {
+                what: compare_work(slow, fast, names) for what, names in MEASURES.items()
+            }
 
     def time(self, label: str) -> Estimate:
         return self.cells[label].time if label in self.cells else NO_DATA
@@ -70,40 +81,90 @@ def make(spec: Spec, results: Results) -> Report:
     papers = {row["pair"]: row for row in printed["row"]}
     pairs = [Pair(results, spec, scene) for scene in results.scenes]
     shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
-    unit, scale = numerals.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
-    titles = [style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown]
+    unit, scale = numerals.time_unit(
+        pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it)
+    )
+    titles = [
+        style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown
+    ]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
         spec.caption + f" {total_title(results)}, {unit}, here and as printed.",
-        ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
-         "here: ratio", *[f"{what}: ratio" for what in MEASURES], *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
+        [
+            "pair",
+            "|A| / |B|",
+            "paper: without",
+            "paper: with",
+            "paper: ratio",
+            "here: without",
+            "here: with",
+            "here: ratio",
+            *[f"{what}: ratio" for what in MEASURES],
+            *titles,
+            *[header for header, _, _ in (extras[0] if extras else [])],
+        ],
+        left=2,
+    )
     records: list[tables.Record] = []
     for pair, extra in zip(pairs, extras):
         paper = papers.get(pair.number, {})
-        slow, fast = float(paper.get(spec.without, math.nan)), float(paper.get(spec.with_it, math.nan))
-        table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
-                           *[numerals.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
-                           numerals.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
-                           numerals.ratio(pair.ratio), *map(numerals.ratio, pair.counted.values()),
-                           *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
+        slow, fast = float(paper.get(spec.without, math.nan)), float(
+            paper.get(spec.with_it, math.nan)
+        )
+        table.rows.append(
+            [
+                str(pair.number),
+                f"{pair.n:,} / {pair.m:,}",
+                *[numerals.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
+                numerals.number(slow / fast),
+                pair.text(spec.without, scale),
+                pair.text(spec.with_it, scale),
+                numerals.ratio(pair.ratio),
+                *map(numerals.ratio, pair.counted.values()),
+                *[pair.text(label, scale) for label in shown],
+                *[text for _, text, _ in extra],
+            ]
+        )
         for label, cell in pair.cells.items():
-            records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
-                            "status": cell.status(), **tables.seconds(cell.time),
-                            "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
-                            "paper_seconds": float(paper.get(label, math.nan)), "ratio": pair.ratio.value,
-                            "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
-                            **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
-                            **{header: value for header, _, value in extra}, **cell.counters})
+            records.append(
+                {
+                    "pair": pair.number,
+                    "label": label,
+                    "source_elements": pair.n,
+                    "target_elements": pair.m,
+                    "status": cell.status(),
+                    **tables.seconds(cell.time),
+                    "prepare_seconds": cell.prepare,
+                    "peak_bytes": cell.peak,
+                    "paper_seconds": float(paper.get(label, math.nan)),
+                    "ratio": pair.ratio.value,
+                    "ratio_low": pair.ratio.low,
+                    "ratio_high": pair.ratio.high,
+                    **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
+                    **{header: value for header, _, value in extra},
+                    **cell.counters,
+                }
+            )
     table.verdicts = verdicts_of(spec, pairs)
-    table.notes = [f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. The solver counts distances, bounds and nodes, which are the same on "
-                   "every machine; for a solver with a seed they depend on it, and one seed is one draw.", what_it_saves(spec, pairs),
-                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
-                   + " If a solver was run with several seeds, n counts them." * has_seeds(pairs),
-                   *spec.notes,
-                   f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, by the number of points. (b) Time without / with {spec.part} on each pair of the paper's table. "
-               "Filled: measured here, with the interval of the median as a bar; open: printed in the paper.")
-    return Report(lambda: draw(spec, pairs, papers, shown, total_word(results)), table, records, caption=caption)
+    table.notes = [
+        f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. The solver counts distances, bounds and nodes, which are the same on "
+        "every machine; for a solver with a seed they depend on it, and one seed is one draw.",
+        what_it_saves(spec, pairs),
+        tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
+        + " If a solver was run with several seeds, n counts them." * has_seeds(pairs),
+        *spec.notes,
+        f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}.",
+    ]
+    caption = (
+        f"{spec.caption} (a) {total_title(results)}, in seconds, by the number of points. (b) Time without / with {spec.part} on each pair of the paper's table. "
+        "Filled: measured here, with the interval of the median as a bar; open: printed in the paper."
+    )
+    return Report(
+        lambda: draw(spec, pairs, papers, shown, total_word(results)),
+        table,
+        records,
+        caption=caption,
+    )
 
 
 def has_seeds(pairs: list[Pair]) -> bool:
@@ -113,19 +174,29 @@ def has_seeds(pairs: list[Pair]) -> bool:
 def unit_of(pairs: list[Pair]) -> str:
     if has_seeds(pairs):
         return "seeds, each by the median of its rounds, in which the solvers took turns"
-    return ("rounds in which the solvers took turns. Both are prepared with the same structure, so both get the shorter of its two times in each round")
+    return "rounds in which the solvers took turns. Both are prepared with the same structure, so both get the shorter of its two times in each round"
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
     gained = claims.of("zhang2017", spec.gains)
-    gains = in_time_and_work(lambda what: on_average(gained, [pair.counted[what] if what else pair.ratio for pair in pairs]))
+    gains = in_time_and_work(
+        lambda what: on_average(
+            gained, [pair.counted[what] if what else pair.ratio for pair in pairs]
+        )
+    )
     claim = claims.of("zhang2017", "time_by_size")
     timed = [pair for pair in pairs if pair.time(spec.with_it).n]
     sizes = [float(pair.n + pair.m) for pair in timed]
     cells = [pair.cells[spec.with_it] for pair in timed]
     why = reason_apart(one for cell in cells for one in cell.origins)
-    return [gains, in_time_and_work(lambda what: Verdict(claim, UNTESTED, f"times {why}") if why and not what else
-                                    rising(claim, sizes, [cell.cost(what) for cell in cells]))]
+    return [
+        gains,
+        in_time_and_work(
+            lambda what: Verdict(claim, UNTESTED, f"times {why}")
+            if why and not what
+            else rising(claim, sizes, [cell.cost(what) for cell in cells])
+        ),
+    ]
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
@@ -133,40 +204,62 @@ def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
     known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
     if not known:
         return f"These rows do not say how much work {spec.part} saves."
-    work, time = ([1 - 1 / x for x in values] for values in
-                  ([pair.counted["distances, bounds and nodes"].value for pair in known],
-                   [pair.ratio.value for pair in known]))
-    cost = [1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known]
-    return (f"Over these pairs, {spec.part} saves {numerals.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
-            f"{numerals.number(100 * float(np.median(time)), 2)} % less time on this machine (medians); one of them costs "
-            f"{numerals.number(float(np.median(cost)), 2)} ns, preparation included.")
+    work, time = (
+        [1 - 1 / x for x in values]
+        for values in (
+            [pair.counted["distances, bounds and nodes"].value for pair in known],
+            [pair.ratio.value for pair in known],
+        )
+    )
+    cost = [
+        1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known
+    ]
+    return (
+        f"Over these pairs, {spec.part} saves {numerals.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
+        f"{numerals.number(100 * float(np.median(time)), 2)} % less time on this machine (medians); one of them costs "
+        f"{numerals.number(float(np.median(cost)), 2)} ns, preparation included."
+    )
 
 
-def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:
-    """Draws times by size, and the ratio without / with the part. Filled marks are our times, open marks the paper's."""
+def draw(
+    spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str
+) -> Any:
+    """Draws times by size, and the ratio without / with the part. Filled marks are our times, open
+    marks the paper's."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
     own = style.look(solver)
-    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", style.DOTTED),
-             solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
+    looks = {
+        spec.without: style.Look(f"without {spec.part}", style.GREY, "s", style.DOTTED),
+        solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line),
+    }
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
         # No line: |A| and |B| differ from pair to pair, so the pairs are not a series.
-        for n, t in sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n):
+        for n, t in sorted(
+            (pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n
+        ):
             style.interval(left, t, n, upright=True, color=looks_like.colour, linewidth=1.2)
             left.plot(n, t.value, **style.filled_marker(looks_like))
-        sizes = [(pair.n + pair.m, papers[pair.number][label]) for pair in pairs
-                 if label in papers.get(pair.number, {})]
+        sizes = [
+            (pair.n + pair.m, papers[pair.number][label])
+            for pair in pairs
+            if label in papers.get(pair.number, {})
+        ]
         if sizes:
             left.plot(*np.array(sorted(sizes)).T, **style.open_marker(looks_like))
     left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} (s)")
     scales.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:
-            style.interval(right, pair.ratio, pair.number, upright=True, color=own.colour, linewidth=1.2)
+            style.interval(
+                right, pair.ratio, pair.number, upright=True, color=own.colour, linewidth=1.2
+            )
             right.plot(pair.number, pair.ratio.value, **style.filled_marker(own))
         elif pair.cells:
-            right.text(pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom")
+            right.text(
+                pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom"
+            )
         paper = papers.get(pair.number, {})
         if spec.without in paper and solver in paper:
             right.plot(pair.number, paper[spec.without] / paper[solver], **style.open_marker(own))
@@ -175,5 +268,9 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
     right.set_xticks([pair.number for pair in pairs])
     entries = [Line2D([], [], label=x.title, **style.filled_marker(x)) for x in looks.values()]
-    style.legend_above(figure, [*entries, style.filled_entry("filled: here"), style.open_entry("open: the paper")], columns=5)
+    style.legend_above(
+        figure,
+        [*entries, style.filled_entry("filled: here"), style.open_entry("open: the paper")],
+        columns=5,
+    )
     return figure

@@ -20,7 +20,13 @@ from analysis.shared.estimates import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
 # Colours (from light to dark; no solver has them) and markers of the pairs.
-PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", "D"), ("#332288", "v")]
+PAIR_LOOKS = [
+    ("#DDCC77", "o"),
+    ("#44AA99", "^"),
+    ("#CC6677", "s"),
+    ("#AA4499", "D"),
+    ("#332288", "v"),
+]
 
 
 @dataclass(frozen=True)
@@ -58,10 +64,13 @@ class Sweep:
 
     def best(self, scene: str, among: list[float] | None = None) -> float:
         """Returns the value (of `among`) with the least median time; NaN without times."""
-        return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
+        return min(
+            self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan
+        )
 
     def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
-        """Returns the ratio of times, or of counts MEASURES[what], of value `slow` / value `fast`."""
+        """Returns the ratio of times, or of counts MEASURES[what], of value `slow` / value
+        `fast`."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
         pair = self.cells[scene, slow], self.cells[scene, fast]
@@ -70,23 +79,34 @@ class Sweep:
     def times_the_least(self, scene: str, value: float) -> float:
         """Returns the time / the least time of the scene; NaN if the two are not comparable."""
         best = self.best(scene)
-        if math.isnan(best) or apart(self.cells[scene, value].origins | self.cells[scene, best].origins):
+        if math.isnan(best) or apart(
+            self.cells[scene, value].origins | self.cells[scene, best].origins
+        ):
             return math.nan
         return self.time(scene, value).value / self.time(scene, best).value
 
     def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
-        """Judges a claim that one value is slower than another on every pair, in time and in counted work."""
-        return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]))
+        """Judges a claim that one value is slower than another on every pair, in time and in
+        counted work."""
+        return in_time_and_work(
+            lambda what: everywhere(
+                claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]
+            )
+        )
 
     def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
-        """Judges a claim that the least time is at one of these values, in time and in counted work."""
+        """Judges a claim that the least time is at one of these values, in time and in counted
+        work."""
         timed = self.timed(scene)
         among = [value for value in among if value in timed]
         texts = [self.spec.text_of(value) for value in among]
 
         def judge(what: str) -> Verdict:
-            rivals = [(self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
-                      for value in timed if value not in among]
+            rivals = [
+                (self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
+                for value in timed
+                if value not in among
+            ]
             known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
             best = min(timed, key=lambda v: self.cells[scene, v].cost(what), default=math.nan)
             return least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
@@ -96,8 +116,19 @@ class Sweep:
 
 def make(spec: Spec, results: Results) -> Report:
     sweep = Sweep(spec, results)
-    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"{total_word(results)}, ms",
-                                        "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
+    table = tables.Table(
+        spec.caption,
+        [
+            "pair",
+            spec.axis,
+            "prepare, ms",
+            f"{total_word(results)}, ms",
+            "times the least",
+            *MEASURES,
+            *[header for header, _ in spec.columns],
+        ],
+        left=1,
+    )
     records: list[tables.Record] = []
     for scene in sweep.scenes:
         table.rules.add(len(table.rows))
@@ -107,25 +138,52 @@ def make(spec: Spec, results: Results) -> Report:
             if not cell:
                 continue
             more = [cell.count(names) for names in MEASURES.values()]
-            more += [column(results, cell) if not cell.failures else math.nan for _, column in spec.columns]
-            table.rows.append([scene, spec.text_of(value), numerals.number(cell.prepare * 1000), cell.text(1000),
-                               numerals.number(sweep.times_the_least(scene, value)) + (" (least)" if value == best else ""),
-                               *map(numerals.number, more)])
-            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), **tables.seconds(cell.time),
-                            "prepare_seconds": cell.prepare,
-                            "peak_bytes": cell.peak, **cell.counters})
+            more += [
+                column(results, cell) if not cell.failures else math.nan
+                for _, column in spec.columns
+            ]
+            table.rows.append(
+                [
+                    scene,
+                    spec.text_of(value),
+                    numerals.number(cell.prepare * 1000),
+                    cell.text(1000),
+                    numerals.number(sweep.times_the_least(scene, value))
+                    + (" (least)" if value == best else ""),
+                    *map(numerals.number, more),
+                ]
+            )
+            records.append(
+                {
+                    "scene": scene,
+                    spec.parameter: value,
+                    "status": cell.status(),
+                    **tables.seconds(cell.time),
+                    "prepare_seconds": cell.prepare,
+                    "peak_bytes": cell.peak,
+                    **cell.counters,
+                }
+            )
     table.verdicts = spec.verdicts(sweep)
-    table.notes = [tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
-                   + "",
-                   f"Here: {machine_line(results)}."]
-    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, with the interval of the median as a bar. (b) The same relative to the least time of "
-               f"each pair{'' if from_zero(sweep) else '; the axis does not begin at 0'}.")
+    table.notes = [
+        tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note + "",
+        f"Here: {machine_line(results)}.",
+    ]
+    caption = (
+        f"{spec.caption} (a) {total_title(results)}, in seconds, with the interval of the median as a bar. (b) The same relative to the least time of "
+        f"each pair{'' if from_zero(sweep) else '; the axis does not begin at 0'}."
+    )
     return Report(lambda: draw(sweep), table, records, caption=caption)
 
 
 def from_zero(sweep: Sweep) -> bool:
-    """Tells whether the axis of multiples should begin at 0; if all are below 2, this would leave them too close together."""
-    return any(sweep.times_the_least(scene, value) > 2 for scene in sweep.scenes for value in sweep.timed(scene))
+    """Tells whether the axis of multiples should begin at 0; if all are below 2, this would leave
+    them too close together."""
+    return any(
+        sweep.times_the_least(scene, value) > 2
+        for scene in sweep.scenes
+        for value in sweep.timed(scene)
+    )
 
 
 def draw(sweep: Sweep) -> Any:
@@ -139,30 +197,62 @@ def draw(sweep: Sweep) -> Any:
         looks = style.Look(scene, colour, marker)
         for ax in axes:
             timed = sweep.timed(scene)
-            height = {v: sweep.time(scene, v).value if ax is axes[0] else sweep.times_the_least(scene, v) for v in timed}
+            height = {
+                v: sweep.time(scene, v).value if ax is axes[0] else sweep.times_the_least(scene, v)
+                for v in timed
+            }
             ax.plot([place[v] for v in timed], list(height.values()), color=colour, linewidth=0.8)
             for value in timed:
                 t = sweep.time(scene, value)
                 if ax is axes[0]:
                     style.interval(ax, t, place[value], upright=True, color=colour, linewidth=1.2)
                 ax.plot(place[value], height[value], **style.filled_marker(looks))
-        lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
-                 if of == scene and cell.failures]
-    for ax, label in zip(axes, (f"{total_word(sweep.results)} (s)", "time / least time of the pair")):
+        lost += [
+            f"{scene} at {spec.text_of(v)}: {cell.failure_text()}"
+            for (of, v), cell in sweep.cells.items()
+            if of == scene and cell.failures
+        ]
+    for ax, label in zip(
+        axes, (f"{total_word(sweep.results)} (s)", "time / least time of the pair")
+    ):
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:
-            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, zorder=0.5)
+            ax.axvline(
+                place[spec.recommended],
+                color=style.GREY,
+                linewidth=0.8,
+                linestyle=style.DOTTED,
+                zorder=0.5,
+            )
     axes[0].set_yscale("log")
     scales.log_ticks(axes[0].yaxis)
     if from_zero(sweep):
         axes[1].set_ylim(bottom=0)
     if lost:
         axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
-    entries = [Line2D([], [], label=scene, linewidth=0.8, color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],
-                      marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
-               for i, scene in enumerate(sweep.scenes)]
-    entries.append(Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
-                          linestyle=style.DOTTED))
+    entries = [
+        Line2D(
+            [],
+            [],
+            label=scene,
+            linewidth=0.8,
+            color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],
+            marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1],
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+        )
+        for i, scene in enumerate(sweep.scenes)
+    ]
+    entries.append(
+        Line2D(
+            [],
+            [],
+            label="recommended by the paper",
+            color=style.GREY,
+            linewidth=0.8,
+            linestyle=style.DOTTED,
+        )
+    )
     style.legend_above(figure, entries, columns=6)
     return figure

@@ -1,4 +1,5 @@
-"""Detects slowdowns: `hausbench track`, and the history of timings. CONTRIBUTING.md says what to do when it is red.
+"""Detects slowdowns: `hausbench track`, and the history of timings. CONTRIBUTING.md says what to do
+when it is red.
 
 cases.py      what is tracked: the cases of experiments/tracking.toml, and kernels
 blocks.py     a block: one fresh process that measures a case or all kernels

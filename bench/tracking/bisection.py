@@ -2,13 +2,15 @@
 
     python3 -m bench.tracking.bisection --case NAME --good REV --bad REV [--by auto|counters|instructions]
 
-GOOD is the older commit; BAD may do more or less work. Both are measured first. By default, work counters decide if they differ,
-else the instructions of the solve. Each commit in between is built in build/versions/bisect and assigned to the side whose counts
-are nearer. A commit that does not build, or does not know the case or its shapes, is skipped. No clock is involved, so other load
-does not matter. Only cases of experiments/tracking.toml can be searched: kernels (build/bvh, ...) count no work.
+GOOD is the older commit; BAD may do more or less work. Both are measured first. By default, work
+counters decide if they differ, else the instructions of the solve. Each commit in between is built
+in build/versions/bisect and assigned to the side whose counts are nearer. A commit that does not
+build, or does not know the case or its shapes, is skipped. No clock is involved, so other load does
+not matter. Only cases of experiments/tracking.toml can be searched: kernels (build/bvh, ...) count
+no work.
 
-Exit code 0: the commit is found; 1: one of several commits, because those between them could only be skipped; 2: a usage error,
-or nothing differs; 130: Ctrl-C.
+Exit code 0: the commit is found; 1: one of several commits, because those between them could only
+be skipped; 2: a usage error, or nothing differs; 130: Ctrl-C.
 """
 
 from __future__ import annotations
@@ -49,7 +51,13 @@ class Measured:
     uncounted: str = ""  # the reason why there are no instructions
 
     def counts(self, by: str) -> Counts:
-        return self.counters if by == "counters" else {} if self.instructions is None else {"instructions": self.instructions}
+        return (
+            self.counters
+            if by == "counters"
+            else {}
+            if self.instructions is None
+            else {"instructions": self.instructions}
+        )
 
 
 @dataclass(frozen=True)
@@ -70,25 +78,33 @@ def git_in(tree: Path, *words: str) -> str:
 
 
 def restored(tree: Path) -> None:
-    """Undoes changes to the commit's files, which would stay in the next commit or block its checkout."""
+    """Undoes changes to the commit's files, which would stay in the next commit or block its
+    checkout."""
     git_in(tree, "checkout", "--quiet", "--force", "--detach", "HEAD")
 
 
 def case_named(name: str, experiment: Path) -> Case:
     """Returns the case. Raises ValueError unless exactly one case has the name."""
     known = cases(experiment)
-    if any(one.name.startswith(name) for one in KERNELS) and not any(case.name.startswith(name) for case in known):
-        raise ValueError(f"{name!r} is a kernel: kernels count no work, so they cannot be searched; `make history` measures "
-                         "their times and instructions at several commits")
+    if any(one.name.startswith(name) for one in KERNELS) and not any(
+        case.name.startswith(name) for case in known
+    ):
+        raise ValueError(
+            f"{name!r} is a kernel: kernels count no work, so they cannot be searched; `make history` measures "
+            "their times and instructions at several commits"
+        )
     found = chosen([name], known)
     exact = [case for case in found if case.name == name]
     if len(exact or found) != 1:
-        raise ValueError(f"{name!r} names more than one case: {', '.join(case.name for case in found)}")
+        raise ValueError(
+            f"{name!r} names more than one case: {', '.join(case.name for case in found)}"
+        )
     return (exact or found)[0]
 
 
 def measure(tree: Path, case: Case, by: str) -> Measured:
-    """Builds and counts the checked-out commit. Raises NotBuilt or NotMeasured. Leaves the commit's files unchanged."""
+    """Builds and counts the checked-out commit. Raises NotBuilt or NotMeasured. Leaves the commit's
+    files unchanged."""
     restored(tree)
     try:
         return built_and_counted(tree, case, by)
@@ -111,8 +127,11 @@ def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
-    """Returns the counters that both have and that are more than `least` apart(). A missing counter was not counted; it is not 0."""
-    return [name for name in sorted(good.keys() & bad.keys()) if apart(good[name], bad[name]) > least]
+    """Returns the counters that both have and that are more than `least` apart(). A missing counter
+    was not counted; it is not 0."""
+    return [
+        name for name in sorted(good.keys() & bad.keys()) if apart(good[name], bad[name]) > least
+    ]
 
 
 def apart(one: int, other: int) -> float:
@@ -121,27 +140,46 @@ def apart(one: int, other: int) -> float:
 
 
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
-    """Returns the kind of count to search by: "counters" or "instructions". Raises Unclear if none that `by` allows differs."""
+    """Returns the kind of count to search by: "counters" or "instructions". Raises Unclear if none
+    that `by` allows differs."""
     if good.shapes != bad.shapes:
-        raise Unclear("good and bad have different shapes in this case, so their work says nothing about the code")
-    found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
+        raise Unclear(
+            "good and bad have different shapes in this case, so their work says nothing about the code"
+        )
+    found = [
+        way
+        for way in WAYS[1:]
+        if by in ("auto", way)
+        and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)
+    ]
     if not found:
-        what = {"auto": "neither work counters nor instructions differ", "counters": "work counters do not differ",
-                "instructions": "instructions do not differ"}[by]
-        uncounted = "".join(f" (instructions of {name} are not counted: {side.uncounted})" for name, side in (("good", good), ("bad", bad)) if side.uncounted)
-        raise Unclear(f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; if the time still "
-                      "differs, look at libraries, the compiler and the layout of the program")
+        what = {
+            "auto": "neither work counters nor instructions differ",
+            "counters": "work counters do not differ",
+            "instructions": "instructions do not differ",
+        }[by]
+        uncounted = "".join(
+            f" (instructions of {name} are not counted: {side.uncounted})"
+            for name, side in (("good", good), ("bad", bad))
+            if side.uncounted
+        )
+        raise Unclear(
+            f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; if the time still "
+            "differs, look at libraries, the compiler and the layout of the program"
+        )
     return found[0]
 
 
 def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
-    """Returns whether the counts are nearer to bad than to good: sums apart() over the counters in which these two differ. Raises
-    NotMeasured if none of them was counted.
+    """Returns whether the counts are nearer to bad than to good: sums apart() over the counters in
+    which these two differ. Raises NotMeasured if none of them was counted.
     """
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
         raise NotMeasured("none of the differing counts is known at this commit")
-    to_good, to_bad = (sum(apart(counts[name], side[name]) for name in names) for side in (good, bad))
+    to_good, to_bad = (
+        sum(apart(counts[name], side[name]) for name in names) for side in (good, bad)
+    )
     return to_bad < to_good
 
 
@@ -159,7 +197,9 @@ def step(tree: Path, question: Question) -> int:
         return SKIP
     with open(question.log, "a", encoding="utf-8") as log:
         log.write(json.dumps({"commit": commit, "counts": counts}) + "\n")
-    say(f"{commit[:10]} is {'bad' if bad else 'good'}: {text_of(counts, differing(question.good, question.bad))}")
+    say(
+        f"{commit[:10]} is {'bad' if bad else 'good'}: {text_of(counts, differing(question.good, question.bad))}"
+    )
     return BAD if bad else GOOD
 
 
@@ -173,15 +213,17 @@ def text_of(counts: Mapping[str, int], names: list[str]) -> str:
 
 @contextmanager
 def locked(file: Path) -> Iterator[int]:
-    """Holds a lock; raises Unclear if another process has it. Children inherit the descriptor, so a step that outlives its search
-    keeps the lock.
+    """Holds a lock; raises Unclear if another process has it. Children inherit the descriptor, so a
+    step that outlives its search keeps the lock.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("w") as held:
         try:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Unclear(f"another search is running in {file.with_suffix('')}: wait until it ends, or stop it") from None
+            raise Unclear(
+                f"another search is running in {file.with_suffix('')}: wait until it ends, or stop it"
+            ) from None
         yield held.fileno()
 
 
@@ -195,25 +237,43 @@ def in_order(good: str, bad: str) -> None:
     """Raises ValueError unless good comes before bad."""
     if good == bad:
         raise ValueError(f"good and bad are the same commit, {good}")
-    cut = "; this clone is shallow: git fetch --unshallow" if builds.git("rev-parse", "--is-shallow-repository") == "true" else ""
+    cut = (
+        "; this clone is shallow: git fetch --unshallow"
+        if builds.git("rev-parse", "--is-shallow-repository") == "true"
+        else ""
+    )
     try:
         base = builds.git("merge-base", good, bad)
     except NotBuilt:  # git finds no merge base and prints nothing
-        raise ValueError(f"good ({good}) and bad ({bad}) have no commit in common here{cut}") from None
+        raise ValueError(
+            f"good ({good}) and bad ({bad}) have no commit in common here{cut}"
+        ) from None
     if base.startswith(bad):
-        raise ValueError(f"good ({good}) is newer than bad ({bad}): swap them; good is the older one, even if it does more work")
+        raise ValueError(
+            f"good ({good}) is newer than bad ({bad}): swap them; good is the older one, even if it does more work"
+        )
     if not base.startswith(good):
-        raise ValueError(f"good ({good}) is not an ancestor of bad ({bad}): use {base[:10]}, where they diverge, as good{cut}")
+        raise ValueError(
+            f"good ({good}) is not an ancestor of bad ({bad}): use {base[:10]}, where they diverge, as good{cut}"
+        )
 
 
 def search(tree: Path, ends: list[str], question: Path, command: list[str], lock: int) -> list[str]:
     """Returns the first bad commit, or several if skipped commits hide which one it is.
 
-    `command` runs step(), given the question's file. After a failure or Ctrl-C, the next search cleans up.
+    `command` runs step(), given the question's file. After a failure or Ctrl-C, the next search
+    cleans up.
     """
     git_in(tree, "bisect", "start", ends[1], ends[0])
-    done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env={**os.environ, "PYTHONPATH": str(ROOT)},
-                          check=False, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True, pass_fds=[lock])
+    done = subprocess.run(
+        ["git", "-C", str(tree), "bisect", "run", *command, str(question)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        pass_fds=[lock],
+    )
     last = git_in(tree, "rev-parse", "refs/bisect/bad")
     goods = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/good-*").split()
     left = git_in(tree, "rev-list", last, "--not", *goods).split()
@@ -229,7 +289,11 @@ def report(found: list[str], question: Question) -> None:
     names = differing(question.good, question.bad)
     log = [json.loads(line) for line in Path(question.log).read_text(encoding="utf-8").splitlines()]
     known = {line["commit"]: line["counts"] for line in log}
-    print("first bad commit:" if len(found) == 1 else "the first bad commit is one of these; the others could not be measured:")
+    print(
+        "first bad commit:"
+        if len(found) == 1
+        else "the first bad commit is one of these; the others could not be measured:"
+    )
     for commit in found:
         print(f"  {builds.git('show', '--no-patch', '--format=%h %cs %s', commit)}")
     parents = builds.git("rev-list", "--parents", "-n", "1", found[-1]).split()[1:]
@@ -239,16 +303,30 @@ def report(found: list[str], question: Question) -> None:
             print(f"  {word}: {commit[:10]}: {counts}")
 
 
-def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, command: list[str]) -> int:
+def find(
+    case: Case, revisions: tuple[str, str], by: str, experiment: Path, command: list[str]
+) -> int:
     ends = [builds.commit_of(revision) for revision in revisions]
     in_order(ends[0], ends[1])
     with locked(builds.VERSIONS / "bisect.lock") as lock, tempfile.TemporaryDirectory() as folder:
-        tree, log, file = builds.VERSIONS / "bisect", Path(folder) / "log", Path(folder) / "question.json"
+        tree, log, file = (
+            builds.VERSIONS / "bisect",
+            Path(folder) / "log",
+            Path(folder) / "question.json",
+        )
         way, sides = both_ends(tree, case, ends, by)
         counts = [side.counts(way) for side in sides]
         whole = [builds.git("rev-parse", commit) for commit in ends]
-        log.write_text("".join(json.dumps({"commit": commit, "counts": one}) + "\n" for commit, one in zip(whole, counts)), encoding="utf-8")
-        question = Question(case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log))
+        log.write_text(
+            "".join(
+                json.dumps({"commit": commit, "counts": one}) + "\n"
+                for commit, one in zip(whole, counts)
+            ),
+            encoding="utf-8",
+        )
+        question = Question(
+            case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log)
+        )
         file.write_text(json.dumps(asdict(question)), encoding="utf-8")
         found = search(tree, ends, file, command, lock)
         report(found, question)
@@ -256,7 +334,8 @@ def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, comm
 
 
 def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, list[Measured]]:
-    """Returns "counters" or "instructions", whichever decides, and the measurements of good and bad. Raises Unclear if one has none."""
+    """Returns "counters" or "instructions", whichever decides, and the measurements of good and
+    bad. Raises Unclear if one has none."""
     sides = []
     for commit in ends:
         checked_out(tree, commit)
@@ -276,27 +355,47 @@ STEP = [sys.executable, "-P", "-m", "bench.tracking.bisection", "--step"]
 
 
 def main(arguments: list[str], command: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--case", help="a case of experiments/tracking.toml, not a kernel; the beginning of its name is enough")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--case",
+        help="a case of experiments/tracking.toml, not a kernel; the beginning of its name is enough",
+    )
     parser.add_argument("--good", metavar="REV", help="the older commit")
     parser.add_argument("--bad", metavar="REV", help="the newer commit")
     parser.add_argument("--by", choices=WAYS, default="auto")
     parser.add_argument("--experiment", type=Path, default=EXPERIMENT)
-    parser.add_argument("--step", type=Path, metavar="QUESTION", help="for git bisect run: measure one commit, in the current folder")
+    parser.add_argument(
+        "--step",
+        type=Path,
+        metavar="QUESTION",
+        help="for git bisect run: measure one commit, in the current folder",
+    )
     options = parser.parse_args(arguments)
     if options.step:
         try:
-            return step(Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8"))))
+            return step(
+                Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8")))
+            )
         except KeyboardInterrupt:  # the search reports it
             return ABORT
-        except BaseException as problem:  # Python's own exit code for an uncaught exception is 1, which would call the commit bad
+        except (
+            BaseException
+        ) as problem:  # Python's own exit code for an uncaught exception is 1, which would call the commit bad
             say(f"stopped: {type(problem).__name__}: {problem}")
             return ABORT
     if not (options.case and options.good and options.bad):
         parser.error("give --case, --good and --bad")
     try:
         experiment = options.experiment.resolve()
-        return find(case_named(options.case, experiment), (options.good, options.bad), options.by, experiment, command or STEP)
+        return find(
+            case_named(options.case, experiment),
+            (options.good, options.bad),
+            options.by,
+            experiment,
+            command or STEP,
+        )
     except (NotBuilt, Unclear, ValueError) as problem:
         say(str(problem))
         return 2

@@ -1,6 +1,7 @@
 """Measures one block: a fresh process that runs one case a few times, or every kernel.
 
-The time of a block is the least of its repeats, because other load on the machine only adds time. CPU time of one thread.
+The time of a block is the least of its repeats, because other load on the machine only adds time.
+CPU time of one thread.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ LIMIT = 120.0  # seconds of one block
 
 
 class NotMeasured(Exception):
-    """The program does not know the case or gave no answer; the message says which. `skipped`: its models are missing."""
+    """The program does not know the case or gave no answer; the message says which. `skipped`: its
+    models are missing."""
 
     def __init__(self, why: str, skipped: bool = False) -> None:
         super().__init__(why)
@@ -39,19 +41,25 @@ class NotMeasured(Exception):
 
 @dataclass(frozen=True)
 class Block:
-    """The result of one process: the least of its repeats, each summed over the poses of the scene."""
+    """The result of one process: the least of its repeats, each summed over the poses of the
+    scene."""
 
     cpu: float
     wall: float
     prepare: float  # wall seconds of everything built
     shapes: str  # a hash of both shapes; times of other shapes cannot be compared
     lower: float = 0.0  # the largest lower bound
-    counters: dict[str, int] = field(default_factory=dict)  # all counters of the program, including zeros
+    counters: dict[str, int] = field(
+        default_factory=dict
+    )  # all counters of the program, including zeros
 
 
 def environment_of(root: Path | None) -> dict[str, str]:
-    """Returns the environment with HAUSBENCH_ROOT replaced: a value meant for another program would give this one other models."""
-    return {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | ({"HAUSBENCH_ROOT": str(root)} if root else {})
+    """Returns the environment with HAUSBENCH_ROOT replaced: a value meant for another program would
+    give this one other models."""
+    return {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | (
+        {"HAUSBENCH_ROOT": str(root)} if root else {}
+    )
 
 
 def checked(code: int, output: str, errors: str, good: tuple[int, ...]) -> str:
@@ -62,15 +70,31 @@ def checked(code: int, output: str, errors: str, good: tuple[int, ...]) -> str:
     return output
 
 
-def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None, root: Path | None = None) -> str:
-    """Returns standard output. Raises NotMeasured if the exit code is not in `good` or the time is over.
+def run(
+    command: list[str],
+    folder: Path,
+    good: tuple[int, ...] = (0,),
+    limit: float | None = None,
+    root: Path | None = None,
+) -> str:
+    """Returns standard output. Raises NotMeasured if the exit code is not in `good` or the time is
+    over.
 
     `root` is the root of the program's tree, if it is not above the program.
     """
     limit = LIMIT if limit is None else limit
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False, stdin=subprocess.DEVNULL,
-                              timeout=limit, env=environment_of(root))
+        done = subprocess.run(
+            command,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            check=False,
+            stdin=subprocess.DEVNULL,
+            timeout=limit,
+            env=environment_of(root),
+        )
     except OSError as problem:
         raise NotMeasured(f"{command[0]} does not run: {problem.strerror}") from None
     except subprocess.TimeoutExpired:
@@ -80,7 +104,8 @@ def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: f
 
 @dataclass(frozen=True)
 class Job(Generic[T]):
-    """A command to run for one block, and the function that reads the block from its standard output or its files."""
+    """A command to run for one block, and the function that reads the block from its standard
+    output or its files."""
 
     command: list[str]
     folder: Path
@@ -93,7 +118,8 @@ class Job(Generic[T]):
 
 
 def write_case(case: Case, folder: Path) -> Path:
-    """Writes the experiment of this case under a new name in the folder, so that earlier results do not interfere."""
+    """Writes the experiment of this case under a new name in the folder, so that earlier results do
+    not interfere."""
     handle, name = tempfile.mkstemp(suffix=".toml", prefix="case", dir=folder)
     with open(handle, "w", encoding="utf-8") as out:
         out.write(case.text())
@@ -102,15 +128,19 @@ def write_case(case: Case, folder: Path) -> Path:
 
 @contextmanager
 def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
-    """Makes a temporary copy of the program beside it, so that it finds its own tree above it, or in the build folder of `root`.
+    """Makes a temporary copy of the program beside it, so that it finds its own tree above it, or
+    in the build folder of `root`.
 
-    The place of a program's pages in memory can change a solve's time by a tenth, in every run, until the file is written again.
-    With a copy for each block, this becomes noise that the intervals include, not a difference between base and candidate.
+    The place of a program's pages in memory can change a solve's time by a tenth, in every run,
+    until the file is written again. With a copy for each block, this becomes noise that the
+    intervals include, not a difference between base and candidate.
     """
     again = (root / "build" if root else program.parent) / "again"
     try:
         again.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix="program-", dir=again)  # a fixed prefix, so that paths of both sides have the same length
+        handle, name = tempfile.mkstemp(
+            prefix="program-", dir=again
+        )  # a fixed prefix, so that paths of both sides have the same length
         os.close(handle)
         shutil.copy2(program, name)
     except OSError as problem:
@@ -124,23 +154,42 @@ def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
 
 
 def run_words(program: Path, file: Path) -> list[str]:
-    """Returns the command that runs a case, without options that some commits lack. Later commits also compute reference answers,
-    which would be counted with the case, so these are turned off.
+    """Returns the command that runs a case, without options that some commits lack. Later commits
+    also compute reference answers, which would be counted with the case, so these are turned off.
     """
     try:
-        helped = subprocess.run([program, "run", "--help"], capture_output=True, text=True, check=False, timeout=LIMIT).stdout
-    except (OSError, subprocess.TimeoutExpired):  # running the case reports that the program is missing or hangs
+        helped = subprocess.run(
+            [program, "run", "--help"], capture_output=True, text=True, check=False, timeout=LIMIT
+        ).stdout
+    except (
+        OSError,
+        subprocess.TimeoutExpired,
+    ):  # running the case reports that the program is missing or hangs
         helped = ""
-    return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet", *["--no-reference"] * ("--no-reference" in helped)]
+    return [
+        str(program),
+        "run",
+        str(file),
+        "--results",
+        str(file.parent),
+        "--fresh",
+        "--quiet",
+        *["--no-reference"] * ("--no-reference" in helped),
+    ]
 
 
 @contextmanager
-def job_of_case(program: Path, case: Case, folder: Path, root: Path | None = None) -> Iterator[Job[Block]]:
-    """Yields the job that runs the case in `folder`; then deletes its files. An unsound row (exit code 1) still has a time."""
+def job_of_case(
+    program: Path, case: Case, folder: Path, root: Path | None = None
+) -> Iterator[Job[Block]]:
+    """Yields the job that runs the case in `folder`; then deletes its files. An unsound row (exit
+    code 1) still has a time."""
     file = write_case(case, folder)
     try:
         with fresh_copy(program, root) as copy:
-            yield Job(run_words(copy, file), folder, lambda _: read(file.with_suffix(".h5")), (0, 1), root)
+            yield Job(
+                run_words(copy, file), folder, lambda _: read(file.with_suffix(".h5")), (0, 1), root
+            )
     finally:
         for left in folder.glob(f"{file.stem}*"):
             left.unlink()
@@ -152,11 +201,14 @@ def measure(program: Path, case: Case, folder: Path) -> Block:
 
 
 def texts(values: object) -> list[str]:
-    return [value.decode() if isinstance(value, bytes) else str(value) for value in np.asarray(values)]
+    return [
+        value.decode() if isinstance(value, bytes) else str(value) for value in np.asarray(values)
+    ]
 
 
 def read(file: Path) -> Block:
-    """Reads a result file of one solver on one scene, of any commit so far. Raises NotMeasured if it has no answer or is unreadable."""
+    """Reads a result file of one solver on one scene, of any commit so far. Raises NotMeasured if
+    it has no answer or is unreadable."""
     try:
         with h5py.File(file) as result:
             return block_of(result)
@@ -169,30 +221,56 @@ def block_of(result: h5py.File) -> Block:
     statuses = texts(rows["status"][()])
     if any(status != "ok" for status in statuses):
         bad = next(i for i, status in enumerate(statuses) if status != "ok")
-        raise NotMeasured(f"{statuses[bad]}: {texts(rows['reason'][()])[bad]}", skipped=statuses[bad] in ("skipped", "not_built"))
+        raise NotMeasured(
+            f"{statuses[bad]}: {texts(rows['reason'][()])[bad]}",
+            skipped=statuses[bad] in ("skipped", "not_built"),
+        )
     repeats = result["repeats"]
     if len(repeats["case"]) == 0:
         raise NotMeasured("no repeat was timed")
-    cpu, wall = (least_of_passes(repeats["case"][()], repeats[name][()]) for name in ("cpu_seconds", "wall_seconds"))
-    counters = {name.removeprefix("counter_"): int(values[()].sum()) for name, values in rows.items() if name.startswith("counter_")}
-    shapes = hashlib.sha256(" ".join(sorted(texts(result["models/sha256"][()]))).encode()).hexdigest()[:12]
+    cpu, wall = (
+        least_of_passes(repeats["case"][()], repeats[name][()])
+        for name in ("cpu_seconds", "wall_seconds")
+    )
+    counters = {
+        name.removeprefix("counter_"): int(values[()].sum())
+        for name, values in rows.items()
+        if name.startswith("counter_")
+    }
+    shapes = hashlib.sha256(
+        " ".join(sorted(texts(result["models/sha256"][()]))).encode()
+    ).hexdigest()[:12]
     prepare, lower = float(rows["prepare_seconds"][0]), float(rows["lower"][()].max())
     return Block(cpu, wall, prepare, shapes, lower, counters)
 
 
 def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64]) -> float:
-    """Returns the time of the fastest pass. Pass k is repeat k of all poses; the repeats of a pose are in order."""
+    """Returns the time of the fastest pass. Pass k is repeat k of all poses; the repeats of a pose
+    are in order."""
     passes = np.vstack([seconds[rows == row] for row in np.unique(rows)])
     return float(passes.sum(axis=0).min())
 
 
 @contextmanager
-def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> Iterator[Job[dict[str, float]]]:
-    """Yields the job that measures CPU seconds of an iteration of each benchmark, the least of eight; unknown ones are absent."""
+def job_of_kernels(
+    program: Path, names: list[str], folder: Path, root: Path | None = None
+) -> Iterator[Job[dict[str, float]]]:
+    """Yields the job that measures CPU seconds of an iteration of each benchmark, the least of
+    eight; unknown ones are absent."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
-        yield Job([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json",
-                   "--benchmark_repetitions=8", "--benchmark_min_time=0.002"], folder, least_of_kernels)
+        yield Job(
+            [
+                str(copy),
+                f"--meshes={MESH}",
+                f"--benchmark_filter={pattern}",
+                "--benchmark_format=json",
+                "--benchmark_repetitions=8",
+                "--benchmark_min_time=0.002",
+            ],
+            folder,
+            least_of_kernels,
+        )
 
 
 def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:
@@ -211,6 +289,9 @@ def least_of_kernels(output: str) -> dict[str, float]:
     for one in found:
         if one.get("run_type") != "iteration":
             continue
-        name, seconds = one["run_name"].removesuffix(f"/{MESH}"), one["cpu_time"] * units[one["time_unit"]]
+        name, seconds = (
+            one["run_name"].removesuffix(f"/{MESH}"),
+            one["cpu_time"] * units[one["time_unit"]],
+        )
         least[name] = min(seconds, least.get(name, seconds))
     return least

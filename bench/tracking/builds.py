@@ -1,4 +1,5 @@
-"""Builds the program of any commit in its own worktree (build/versions/COMMIT), in the same way as this one."""
+"""Builds the program of any commit in its own worktree (build/versions/COMMIT), in the same way as
+this one."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ VERSIONS = ROOT / "build" / "versions"
 
 
 class NotBuilt(Exception):
-    """The commit does not exist or does not build; the message says which, and where the output is."""
+    """The commit does not exist or does not build; the message says which, and where the output
+    is."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,13 @@ class Build:
 
 def git(*words: str) -> str:
     try:
-        done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            ["git", "-C", str(ROOT), *words],
+            capture_output=True,
+            text=True,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
     except OSError as problem:
         raise NotBuilt(f"git does not run: {problem.strerror}") from None
     if done.returncode != 0:
@@ -50,7 +58,11 @@ def here(program: Path) -> Build:
         raise NotBuilt(f"{program} is missing: make build")
     kernels = program.parent / "kernel_bench"
     changed = git("status", "--porcelain", "--untracked-files=no")
-    return Build(commit_of("HEAD") + ("+" if changed else ""), program, kernels if kernels.is_file() else None)
+    return Build(
+        commit_of("HEAD") + ("+" if changed else ""),
+        program,
+        kernels if kernels.is_file() else None,
+    )
 
 
 def worktree(tree: Path, commit: str) -> None:
@@ -78,22 +90,68 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
     # Two worktrees share ccache's results only if their own paths are excluded.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}
     options = shlex.split(os.environ.get("CMAKE_ARGS", ""))
-    # The commit's own preset, as its `make build` uses it: grouping sources differently changes times by some per cent.
-    commands = [["cmake", "-S", str(tree), "--preset", "release", "-DHAUSBENCH_WITH_TESTS=OFF", *launcher, *options],
-                ["cmake", "--build", str(build), "-j", str(jobs), "--target", "hausbench", "hausbench_commit"]]
+    # The commit's own preset, as its `make build` uses it: grouping sources differently changes
+    # times by some per cent.
+    commands = [
+        [
+            "cmake",
+            "-S",
+            str(tree),
+            "--preset",
+            "release",
+            "-DHAUSBENCH_WITH_TESTS=OFF",
+            *launcher,
+            *options,
+        ],
+        [
+            "cmake",
+            "--build",
+            str(build),
+            "-j",
+            str(jobs),
+            "--target",
+            "hausbench",
+            "hausbench_commit",
+        ],
+    ]
     with log.open("w") as out:
-        print(f"building {commit} in {tree.relative_to(ROOT)}, which may take some minutes", file=sys.stderr, flush=True)
+        print(
+            f"building {commit} in {tree.relative_to(ROOT)}, which may take some minutes",
+            file=sys.stderr,
+            flush=True,
+        )
         for command in commands:
-            if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, env=environment) != 0:
+            if (
+                subprocess.call(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=out,
+                    stderr=subprocess.STDOUT,
+                    env=environment,
+                )
+                != 0
+            ):
                 raise NotBuilt(f"{commit} does not build: its output is in {log}")
         bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
-        found = subprocess.call(bench, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, env=environment) == 0
+        found = (
+            subprocess.call(
+                bench,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                env=environment,
+            )
+            == 0
+        )
     kernels = build / "kernel_bench"
-    return Build(commit, build / "hausbench", kernels if found and kernels.is_file() else None, tree)
+    return Build(
+        commit, build / "hausbench", kernels if found and kernels.is_file() else None, tree
+    )
 
 
 def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
-    """Follows `from` from each model to its origin, and returns the origins that come from Debian or npm packages."""
+    """Follows `from` from each model to its origin, and returns the origins that come from Debian
+    or npm packages."""
     found: set[str] = set()
     for name in names:
         chain = [name]
@@ -105,14 +163,28 @@ def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
 
 
 def fetch(tree: Path, names: Iterable[str]) -> None:
-    """Fetches models with the commit's own datasets/fetch.py. If a download fails, only the cases that need it stay empty."""
+    """Fetches models with the commit's own datasets/fetch.py. If a download fails, only the cases
+    that need it stay empty."""
     manifest = tree / "datasets" / "manifest.toml"
-    models = tomllib.loads(manifest.read_text(encoding="utf-8")).get("model", {}) if manifest.is_file() else {}
+    models = (
+        tomllib.loads(manifest.read_text(encoding="utf-8")).get("model", {})
+        if manifest.is_file()
+        else {}
+    )
     if not (origins := fetched_origins(models, names)):
         return
-    done = subprocess.run([sys.executable, "datasets/fetch.py", *origins], cwd=tree, capture_output=True, text=True, check=False,
-                          stdin=subprocess.DEVNULL)
+    done = subprocess.run(
+        [sys.executable, "datasets/fetch.py", *origins],
+        cwd=tree,
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+    )
     if done.returncode != 0:
         words = (done.stderr.strip() or done.stdout.strip()).splitlines()
-        print(f"{tree.name}: datasets/fetch.py {' '.join(origins)} ended with {done.returncode}: {words[-1] if words else ''}",
-              file=sys.stderr, flush=True)
+        print(
+            f"{tree.name}: datasets/fetch.py {' '.join(origins)} ended with {done.returncode}: {words[-1] if words else ''}",
+            file=sys.stderr,
+            flush=True,
+        )

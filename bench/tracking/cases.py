@@ -1,4 +1,5 @@
-"""The tracked cases, each a solver on a scene of experiments/tracking.toml, and kernels, each a benchmark of kernel_bench."""
+"""The tracked cases, each a solver on a scene of experiments/tracking.toml, and kernels, each a
+benchmark of kernel_bench."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ MOST_CASES = 28
 
 @dataclass(frozen=True)
 class Case:
-    """A solver on a scene, as an experiment of its own, which a commit can run if it knows the keys and models."""
+    """A solver on a scene, as an experiment of its own, which a commit can run if it knows the keys
+    and models."""
 
     name: str  # "guthe on mesh to its half"
     experiment: dict[str, Any]
@@ -44,18 +46,37 @@ class Kernel:
     function: str  # the function whose instructions are counted, as callgrind's --toggle-collect takes it
 
 
-KERNELS = tuple(Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*") for name, structure in (
-    ("bvh", "TriangleBvh"), ("octree", "TriangleOctree"), ("swept_bvh", "SweptSphereBvh"), ("triangle_blocks", "TriangleBlocks"),
-    ("triangle_grid", "TriangleGrid"), ("adjacency", "Adjacency"), ("point_octree", "PointOctree"),
-    ("point_blocks", "PointBlocks"), ("rtree", "RTree"))) + tuple(Kernel(name, f"hausbench::{function}(*") for name, function in (
-        ("closest/bvh/cold", "TriangleTree::closest"), ("closest/octree/cold", "TriangleTree::closest"),
-        ("closest/triangle_blocks/cold", "TriangleBlocks::closest"), ("closest/triangle_grid/cold", "TriangleGrid::closest")))
+KERNELS = tuple(
+    Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*")
+    for name, structure in (
+        ("bvh", "TriangleBvh"),
+        ("octree", "TriangleOctree"),
+        ("swept_bvh", "SweptSphereBvh"),
+        ("triangle_blocks", "TriangleBlocks"),
+        ("triangle_grid", "TriangleGrid"),
+        ("adjacency", "Adjacency"),
+        ("point_octree", "PointOctree"),
+        ("point_blocks", "PointBlocks"),
+        ("rtree", "RTree"),
+    )
+) + tuple(
+    Kernel(name, f"hausbench::{function}(*")
+    for name, function in (
+        ("closest/bvh/cold", "TriangleTree::closest"),
+        ("closest/octree/cold", "TriangleTree::closest"),
+        ("closest/triangle_blocks/cold", "TriangleBlocks::closest"),
+        ("closest/triangle_grid/cold", "TriangleGrid::closest"),
+    )
+)
 
 
 def cases(file: Path = EXPERIMENT) -> list[Case]:
-    """Returns the cases in the order of the file's solvers. Raises ValueError for more than MOST_CASES, or an unknown scene."""
+    """Returns the cases in the order of the file's solvers. Raises ValueError for more than
+    MOST_CASES, or an unknown scene."""
     table = tomllib.loads(file.read_text())
-    common = {key: value for key, value in table.items() if key not in ("scene", "solver", "profile")}
+    common = {
+        key: value for key, value in table.items() if key not in ("scene", "solver", "profile")
+    }
     scenes = {scene["name"]: scene for scene in table["scene"]}
     found = []
     for solver in table["solver"]:
@@ -63,15 +84,23 @@ def cases(file: Path = EXPERIMENT) -> list[Case]:
             if name not in scenes:
                 raise ValueError(f"{file}: solver {solver['name']}: there is no scene {name!r}")
             alone = {key: value for key, value in solver.items() if key != "scenes"}
-            found.append(Case(f"{solver.get('label', solver['name'])} on {name}", {**common, "scene": [scenes[name]], "solver": [alone]}))
+            found.append(
+                Case(
+                    f"{solver.get('label', solver['name'])} on {name}",
+                    {**common, "scene": [scenes[name]], "solver": [alone]},
+                )
+            )
     if len(found) > MOST_CASES:
         raise ValueError(f"{file}: {len(found)} cases; a run of track has time for {MOST_CASES}")
     return found
 
 
 def chosen(names: list[str], found: list[Case]) -> list[Case]:
-    """Returns the cases whose names begin with one of `names`, or all if it is empty. Raises ValueError for a name without cases."""
+    """Returns the cases whose names begin with one of `names`, or all if it is empty. Raises
+    ValueError for a name without cases."""
     for name in names:
         if not any(case.name.startswith(name) for case in found):
             raise ValueError(f"there is no case {name!r}: {', '.join(case.name for case in found)}")
-    return [case for case in found if not names or any(case.name.startswith(name) for name in names)]
+    return [
+        case for case in found if not names or any(case.name.startswith(name) for name in names)
+    ]

@@ -1,10 +1,13 @@
-"""Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed baseline.toml.
+"""Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed
+baseline.toml.
 
-Counters are the same on every machine and must be equal. Instructions of the solves, counted by valgrind, vary so little that half
-a per cent shows. malloc and free are left out: how long they search depends on what lies where in memory, even on the lengths of
-paths. Instructions depend on the compiler and the libraries, so the baseline has a table for each combination; without a table for
-this machine, none are counted. valgrind supports AVX2 at most, so AVX-512 code is not counted. If a case has other shapes than
-in the baseline, or lacks a mesh, it is not measured. A case without an answer or a baseline is red.
+Counters are the same on every machine and must be equal. Instructions of the solves, counted by
+valgrind, vary so little that half a per cent shows. malloc and free are left out: how long they
+search depends on what lies where in memory, even on the lengths of paths. Instructions depend on
+the compiler and the libraries, so the baseline has a table for each combination; without a table
+for this machine, none are counted. valgrind supports AVX2 at most, so AVX-512 code is not counted.
+If a case has other shapes than in the baseline, or lacks a mesh, it is not measured. A case without
+an answer or a baseline is red.
 
 The baseline also holds work counters of small scenes, for tests/algorithms/counters_test.cpp.
 """
@@ -32,7 +35,17 @@ from bench.tracking.gate import Verdict
 
 BASELINE = Path(__file__).resolve().parent / "baseline.toml"
 LIMIT = 0.005  # of the baseline's instructions
-PACKAGES = ("g++", "libc6", "libstdc++6", "libeigen3-dev", "libcgal-dev", "libhwy-dev", "libgmp10", "libmpfr6", "valgrind")
+PACKAGES = (
+    "g++",
+    "libc6",
+    "libstdc++6",
+    "libeigen3-dev",
+    "libcgal-dev",
+    "libhwy-dev",
+    "libgmp10",
+    "libmpfr6",
+    "valgrind",
+)
 SOLVE = "hausbench::Session::solve(*"
 CALLGRIND_LIMIT = 600  # seconds for one count
 
@@ -43,7 +56,8 @@ class Missing(Exception):
 
 @dataclass
 class Found:
-    """The result of a tier: its verdict, a line for each case, and the numbers for a new baseline."""
+    """The result of a tier: its verdict, a line for each case, and the numbers for a new
+    baseline."""
 
     verdict: Verdict = Verdict.nothing_measured
     lines: list[str] = field(default_factory=list)
@@ -64,15 +78,22 @@ def read_baseline(file: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(file.read_text()) if file.is_file() else {}
     except tomllib.TOMLDecodeError as error:
-        raise Missing(f"{file}: {error}: take the committed file, or rewrite it with --update REASON") from None
+        raise Missing(
+            f"{file}: {error}: take the committed file, or rewrite it with --update REASON"
+        ) from None
 
 
-# --- work counters ---------------------------------------------------------------------------------------------------
+# --- work counters
+# ---------------------------------------------------------------------------------------------------
 
-OTHER_SHAPES = "nothing measured: it has other shapes than the baseline (perhaps another library made them)"
+OTHER_SHAPES = (
+    "nothing measured: it has other shapes than the baseline (perhaps another library made them)"
+)
 
 
-def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path) -> Found:
+def count_work(
+    cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path
+) -> Found:
     """Tier 1: compares the work counters of cases with the baseline."""
     found = Found()
     for case in cases:
@@ -84,7 +105,10 @@ def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any]
             else:
                 found.red(f"{case.name}: no answer: {why}")
             continue
-        found.measured[case.name] = {"shapes": block.shapes, **{name: count for name, count in block.counters.items() if count}}
+        found.measured[case.name] = {
+            "shapes": block.shapes,
+            **{name: count for name, count in block.counters.items() if count},
+        }
         before = baseline.get(case.name)
         if before is None:
             found.red(f"{case.name}: no baseline: add it with --update REASON")
@@ -92,15 +116,21 @@ def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any]
             found.lines.append(f"{case.name}: {OTHER_SHAPES}")
         else:
             found.passed()
-            for change in differences({name: count for name, count in before.items() if name != "shapes"}, block.counters):
+            for change in differences(
+                {name: count for name, count in before.items() if name != "shapes"}, block.counters
+            ):
                 found.red(f"{case.name}: {change}")
     return found
 
 
 def differences(before: Mapping[str, int], now: Mapping[str, int]) -> list[str]:
-    """Returns a line for each counter that has changed; a counter missing from the baseline was 0."""
-    return [f"{name} was {before.get(name, 0):,}, is {now.get(name, 0):,} ({signed_share(now.get(name, 0), before.get(name, 0))})"
-            for name in sorted(before.keys() | now.keys()) if before.get(name, 0) != now.get(name, 0)]
+    """Returns a line for each counter that has changed; a counter missing from the baseline was
+    0."""
+    return [
+        f"{name} was {before.get(name, 0):,}, is {now.get(name, 0):,} ({signed_share(now.get(name, 0), before.get(name, 0))})"
+        for name in sorted(before.keys() | now.keys())
+        if before.get(name, 0) != now.get(name, 0)
+    ]
 
 
 def signed_share(now: int, before: int) -> str:
@@ -108,10 +138,18 @@ def signed_share(now: int, before: int) -> str:
 
 
 def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
-    """Returns the work counters that counters_test compares, by group and scene. Raises Missing if the program is not built or fails."""
+    """Returns the work counters that counters_test compares, by group and scene. Raises Missing if
+    the program is not built or fails."""
     file = folder / "small_scenes.toml"
     try:
-        subprocess.run([program], env={**os.environ, "HAUSBENCH_COUNTS": str(file)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
+        subprocess.run(
+            [program],
+            env={**os.environ, "HAUSBENCH_COUNTS": str(file)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=True,
+        )
     except OSError:
         raise Missing(f"{program} is missing: build it with 'make track-counts'") from None
     except subprocess.CalledProcessError as error:
@@ -119,20 +157,29 @@ def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
     return tomllib.loads(file.read_text())
 
 
-# --- instructions ----------------------------------------------------------------------------------------------------
+# --- instructions
+# ----------------------------------------------------------------------------------------------------
 
 
 def parts_of_key() -> str:
-    """Returns the versions of compiler, libraries and valgrind, and whether there is AVX2: all change the instructions.
+    """Returns the versions of compiler, libraries and valgrind, and whether there is AVX2: all
+    change the instructions.
 
-    A package that is installed for two architectures counts once, because both have the same version.
+    A package that is installed for two architectures counts once, because both have the same
+    version.
     """
     query = ["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES]
     try:  # exit code 1: some are not installed, which is a kind of machine, too
-        versions = subprocess.run(query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
+        versions = subprocess.run(
+            query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL
+        ).stdout
     except OSError:
         versions = "no Debian\n"
-    vectors = "avx2" if re.search(r"^flags.*\bavx2\b", Path("/proc/cpuinfo").read_text(), re.M) else "no avx2"
+    vectors = (
+        "avx2"
+        if re.search(r"^flags.*\bavx2\b", Path("/proc/cpuinfo").read_text(), re.M)
+        else "no avx2"
+    )
     return ", ".join([*sorted({*versions.split("\n")[:-1]}), vectors])
 
 
@@ -141,24 +188,30 @@ def key_of(parts: str) -> str:
 
 
 def unknown_instruction(logs: Path) -> NotMeasured | None:
-    """Returns the reason if valgrind ended a process at an instruction that it does not know or that this processor hides.
+    """Returns the reason if valgrind ended a process at an instruction that it does not know or
+    that this processor hides.
 
-    For example rdtscp: 0xF 0x1 0xF9. That is a property of the machine, so the case counts as skipped.
+    For example rdtscp: 0xF 0x1 0xF9. That is a property of the machine, so the case counts as
+    skipped.
     """
     for log in sorted(logs.glob("log.*")):
         text = log.read_text(errors="replace")
         if found := re.search(r"unhandled instruction bytes: ((?:0x[0-9A-F]+ ?)+)", text):
             at = re.search(r"^==\d+== +at 0x[0-9A-F]+: (.*)$", text, re.M)
-            return NotMeasured(f"valgrind does not know instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}", skipped=True)
+            return NotMeasured(
+                f"valgrind does not know instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}",
+                skipped=True,
+            )
     return None
 
 
 def instructions_in(out: Iterable[str]) -> int:
-    """Adds up the instructions in the lines of a file that callgrind wrote. Leaves out glibc's malloc.c.
+    """Adds up the instructions in the lines of a file that callgrind wrote. Leaves out glibc's
+    malloc.c.
 
-    The format is in valgrind's manual ("Callgrind Format Specification"): `fl`, `fi` or `fe` name the file of the lines of costs
-    that follow, and a name is written only the first time; after `calls` comes the cost of what was called, which is counted where
-    it arose.
+    The format is in valgrind's manual ("Callgrind Format Specification"): `fl`, `fi` or `fe` name
+    the file of the lines of costs that follow, and a name is written only the first time; after
+    `calls` comes the cost of what was called, which is counted where it arose.
     """
     names: dict[str, str] = {}
     total, counts, lines = 0, True, iter(out)
@@ -177,28 +230,45 @@ def instructions_in(out: Iterable[str]) -> int:
 
 
 def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> int:
-    """Counts instructions in `function` and its callees, for the command and its children. Raises NotMeasured if there are none."""
+    """Counts instructions in `function` and its callees, for the command and its children. Raises
+    NotMeasured if there are none."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
-        counting = ["valgrind", "--tool=callgrind", "--trace-children=yes", f"--toggle-collect={function}", f"--callgrind-out-file={out}/%p",
-                    f"--log-file={out}/log.%p"]
+        counting = [
+            "valgrind",
+            "--tool=callgrind",
+            "--trace-children=yes",
+            f"--toggle-collect={function}",
+            f"--callgrind-out-file={out}/%p",
+            f"--log-file={out}/log.%p",
+        ]
         try:
             run([*counting, *command], folder, good, CALLGRIND_LIMIT)
         except NotMeasured as why:
             raise unknown_instruction(Path(out)) or why from None
-        if unknown := unknown_instruction(Path(out)):  # in a worker: the program itself has ended normally
+        if unknown := unknown_instruction(
+            Path(out)
+        ):  # in a worker: the program itself has ended normally
             raise unknown
-        total = sum(instructions_in(file.read_text().splitlines()) for file in Path(out).iterdir() if not file.name.startswith("log."))
+        total = sum(
+            instructions_in(file.read_text().splitlines())
+            for file in Path(out).iterdir()
+            if not file.name.startswith("log.")
+        )
     if total == 0:
-        raise NotMeasured(f"callgrind counted nothing in {function}: was the program built with `make build`?")
+        raise NotMeasured(
+            f"callgrind counted nothing in {function}: was the program built with `make build`?"
+        )
     return total
 
 
 def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
-    """Returns the instructions of all solves of one worker (the answer and one repeat), and the hash of the shapes. Raises
-    NotMeasured without an answer.
+    """Returns the instructions of all solves of one worker (the answer and one repeat), and the
+    hash of the shapes. Raises NotMeasured without an answer.
     """
     limits = {"case_seconds": CALLGRIND_LIMIT, "prepare_seconds": CALLGRIND_LIMIT}
-    file = write_case(Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": limits}), folder)
+    file = write_case(
+        Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": limits}), folder
+    )
     try:
         total = callgrind(SOLVE, run_words(program, file), folder, (0, 1))
         return total, read(file.with_suffix(".h5")).shapes
@@ -216,25 +286,39 @@ def instructions_of(program: Path, case: Case, folder: Path) -> int | NotMeasure
 
 
 def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]:
-    """Returns the instructions of one iteration and of building its structure; no shapes. Raises NotMeasured if it is unknown."""
-    command = [str(program), f"--meshes={MESH}", f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$", "--benchmark_min_time=0"]
+    """Returns the instructions of one iteration and of building its structure; no shapes. Raises
+    NotMeasured if it is unknown."""
+    command = [
+        str(program),
+        f"--meshes={MESH}",
+        f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$",
+        "--benchmark_min_time=0",
+    ]
     return callgrind(kernel.function, command, folder), ""
 
 
 def said(now: int, before: int) -> tuple[str, bool]:
     change = now / before - 1
-    word = "more: slower" if change > LIMIT else "fewer: keep the gain with --update" if change < -LIMIT else "as before"
+    word = (
+        "more: slower"
+        if change > LIMIT
+        else "fewer: keep the gain with --update"
+        if change < -LIMIT
+        else "as before"
+    )
     return f"{now:,} instructions, {100 * change:+.2f} % ({word})", abs(change) <= LIMIT
 
 
 Counting = dict[str, Callable[[], tuple[int, str]]]
 
-# Solvers that do not end under valgrind, which does not change the rounding mode as CGAL's exact constructions need.
+# Solvers that do not end under valgrind, which does not change the rounding mode as CGAL's exact
+# constructions need.
 NO_INSTRUCTIONS = frozenset({"penetration"})
 
 
 def in_parallel(jobs: Counting) -> dict[str, tuple[int, str] | NotMeasured]:
-    """Runs as many jobs at a time as there are cores, which does not affect the counts. After Ctrl-C no other job begins."""
+    """Runs as many jobs at a time as there are cores, which does not affect the counts. After
+    Ctrl-C no other job begins."""
     pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
     try:
         running = {name: pool.submit(job) for name, job in jobs.items()}
@@ -249,18 +333,32 @@ def in_parallel(jobs: Counting) -> dict[str, tuple[int, str] | NotMeasured]:
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def jobs_of(cases: Sequence[Case], kernels: Sequence[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> Counting:
-    jobs: Counting = {case.name: partial(count_case, program, case, folder) for case in cases if case.solver not in NO_INSTRUCTIONS}
+def jobs_of(
+    cases: Sequence[Case],
+    kernels: Sequence[Kernel],
+    program: Path,
+    kernel_program: Path | None,
+    folder: Path,
+) -> Counting:
+    jobs: Counting = {
+        case.name: partial(count_case, program, case, folder)
+        for case in cases
+        if case.solver not in NO_INSTRUCTIONS
+    }
     if kernel_program is not None:
-        jobs |= {kernel.name: partial(count_kernel, kernel_program, kernel, folder) for kernel in kernels}
+        jobs |= {
+            kernel.name: partial(count_kernel, kernel_program, kernel, folder) for kernel in kernels
+        }
     return jobs
 
 
-def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapping[str, str], wanted: bool = False) -> Found:
+def count_instructions(
+    jobs: Counting, baseline: Mapping[str, Any], shapes: Mapping[str, str], wanted: bool = False
+) -> Found:
     """Tier 2: compares instructions with the baseline.
 
-    `shapes` are the baseline's shapes of the cases. Without a table for this machine nothing is counted, unless it is `wanted`
-    for a new table.
+    `shapes` are the baseline's shapes of the cases. Without a table for this machine nothing is
+    counted, unless it is `wanted` for a new table.
     """
     parts = parts_of_key()
     table = baseline.get(key_of(parts))
@@ -290,18 +388,31 @@ def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapp
     return found
 
 
-# --- a new baseline --------------------------------------------------------------------------------------------------
+# --- a new baseline
+# --------------------------------------------------------------------------------------------------
 
 
-def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructions: Mapping[str, Any], reason: str,
-            names: Collection[str] | None = None, small_scenes: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Returns the baseline with new measurements in place of old ones for the same cases and the same key.
+def updated(
+    baseline: Mapping[str, Any],
+    counters: Mapping[str, Any],
+    instructions: Mapping[str, Any],
+    reason: str,
+    names: Collection[str] | None = None,
+    small_scenes: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Returns the baseline with new measurements in place of old ones for the same cases and the
+    same key.
 
-    Drops cases and kernels that are not in `names`, unless it is None. A machine that is new to the baseline adds a table, but does
-    not replace counters of other shapes.
+    Drops cases and kernels that are not in `names`, unless it is None. A machine that is new to the
+    baseline adds a table, but does not replace counters of other shapes.
     """
+
     def kept(table: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: value for name, value in table.items() if names is None or name in names or name == "depends_on"}
+        return {
+            name: value
+            for name, value in table.items()
+            if names is None or name in names or name == "depends_on"
+        }
 
     tables = {key: kept(table) for key, table in baseline.get("instructions", {}).items()}
     key = key_of(instructions["depends_on"]) if instructions else ""
@@ -323,14 +434,17 @@ def as_toml(value: Any) -> str:
 
 
 def write_baseline(file: Path, baseline: Mapping[str, Any]) -> None:
-    """Writes a line for each case and scene, first to a file beside the baseline, so that an interrupt leaves the old one intact."""
+    """Writes a line for each case and scene, first to a file beside the baseline, so that an
+    interrupt leaves the old one intact."""
     text = "# Written by `hausbench track --update REASON`: work counters and instructions of the tracked cases, work counters of small scenes.\n"
     text += f"reason = {as_toml(baseline['reason'])}\n"
     tables = {"counters": baseline["counters"]}
     for kind in ("small_scenes", "instructions"):
         tables |= {f"{kind}.{name}": table for name, table in baseline[kind].items()}
     for name, table in tables.items():
-        text += f"\n[{name}]\n" + "".join(f"{as_toml(key)} = {as_toml(value)}\n" for key, value in table.items())
+        text += f"\n[{name}]\n" + "".join(
+            f"{as_toml(key)} = {as_toml(value)}\n" for key, value in table.items()
+        )
     beside = file.with_suffix(".new")
     beside.write_text(text)
     beside.replace(file)

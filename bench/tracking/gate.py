@@ -1,14 +1,18 @@
-"""Judges blocks of base and candidate. Pure functions; the statistics come from analysis/shared/estimates.py.
+"""Judges blocks of base and candidate. Pure functions; the statistics come from
+analysis/shared/estimates.py.
 
-A block is a fresh process; its time is the least of its repeats. Blocks come in pairs of base and candidate that share a core.
-Two pairs make a turn: the base begins one, the candidate the other. The median of the log ratios of the pairs has a sign-test
-interval, which assumes nothing about the distribution of times. Each interval has the confidence 1 - 5 % / cases (Bonferroni), so
-that all of them hold with 95 %.
+A block is a fresh process; its time is the least of its repeats. Blocks come in pairs of base and
+candidate that share a core. Two pairs make a turn: the base begins one, the candidate the other.
+The median of the log ratios of the pairs has a sign-test interval, which assumes nothing about the
+distribution of times. Each interval has the confidence 1 - 5 % / cases (Bonferroni), so that all of
+them hold with 95 %.
 
-Every case has SCREENING blocks per side. A case alarms if the lower end of its ratio is above 1 + LEAST. If its median ratio is
-above 1 + SUSPECT, it gets more blocks until they cannot change whether it alarms. This alarms no more often than if all cases had
-as many blocks, so the confidence is kept. A case is red if it alarms in a second, independent run, too. The gate tests itself in
-one case, with the base beside itself: its times must not alarm, and must if one side is multiplied by 1 + PLANTED.
+Every case has SCREENING blocks per side. A case alarms if the lower end of its ratio is above 1 +
+LEAST. If its median ratio is above 1 + SUSPECT, it gets more blocks until they cannot change
+whether it alarms. This alarms no more often than if all cases had as many blocks, so the confidence
+is kept. A case is red if it alarms in a second, independent run, too. The gate tests itself in one
+case, with the base beside itself: its times must not alarm, and must if one side is multiplied by 1
++ PLANTED.
 """
 
 from __future__ import annotations
@@ -24,8 +28,12 @@ from analysis.shared.estimates import NO_DATA, Estimate, order_statistic_rank, p
 LEAST = 0.03  # smaller slowdowns do not alarm
 PLANTED = 0.05  # the slowdown that the gate must detect to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
-SCREENING = 24  # blocks per side; half as many would give the confidence that about a dozen cases need
-SUSPECT = 0.02  # cases with a smaller median excess get no more blocks; an alarm needs more than LEAST
+SCREENING = (
+    24  # blocks per side; half as many would give the confidence that about a dozen cases need
+)
+SUSPECT = (
+    0.02  # cases with a smaller median excess get no more blocks; an alarm needs more than LEAST
+)
 
 
 class Verdict(IntEnum):
@@ -51,7 +59,8 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """Ratios of times of a case: candidate to base; in the self-test also the base to itself, with a planted slowdown."""
+    """Ratios of times of a case: candidate to base; in the self-test also the base to itself, with
+    a planted slowdown."""
 
     name: str
     base_seconds: float
@@ -75,7 +84,11 @@ class Judged:
     @property
     def sees(self) -> float:
         """Returns the least slowdown that would have alarmed with an interval of this width."""
-        return (1 + LEAST) * self.ratio.value / self.ratio.low - 1 if self.ratio.has_interval else math.nan
+        return (
+            (1 + LEAST) * self.ratio.value / self.ratio.low - 1
+            if self.ratio.has_interval
+            else math.nan
+        )
 
 
 def confidence(cases: int) -> float:
@@ -84,10 +97,13 @@ def confidence(cases: int) -> float:
 
 
 def compare(candidate: Sequence[float], base: Sequence[float], cases: int) -> Estimate:
-    """Returns the ratio of paired blocks. Raises ValueError if there are too few blocks for the confidence that so many cases need."""
+    """Returns the ratio of paired blocks. Raises ValueError if there are too few blocks for the
+    confidence that so many cases need."""
     ratio = paired_ratio(candidate, base, confidence(cases))
     if ratio.coverage < confidence(cases):
-        raise ValueError(f"{ratio.n} pairs of blocks give {ratio.coverage:.4f}, and {cases} cases need {confidence(cases):.4f}: ask for more blocks")
+        raise ValueError(
+            f"{ratio.n} pairs of blocks give {ratio.coverage:.4f}, and {cases} cases need {confidence(cases):.4f}: ask for more blocks"
+        )
     return ratio
 
 
@@ -103,13 +119,18 @@ def suspected(sides: Sides) -> bool:
 def decided(sides: Sides, count: int, cases: int) -> bool:
     """Returns whether further blocks, up to `count` in all, cannot change whether the case alarms.
 
-    That is so if enough ratios are on one side of 1 + LEAST already. SCREENING blocks are always measured, because fewer give no
-    confidence.
+    That is so if enough ratios are on one side of 1 + LEAST already. SCREENING blocks are always
+    measured, because fewer give no confidence.
     """
     rank = order_statistic_rank(count, confidence(cases))  # of the lower end
-    above = sum(candidate > (1 + LEAST) * base for candidate, base in zip(sides.candidate, sides.base, strict=True))
+    above = sum(
+        candidate > (1 + LEAST) * base
+        for candidate, base in zip(sides.candidate, sides.base, strict=True)
+    )
     below = len(sides.base) - above
-    return above + below >= min(count, SCREENING) and (above + below >= count or below >= rank or above > count - rank)
+    return above + below >= min(count, SCREENING) and (
+        above + below >= count or below >= rank or above > count - rank
+    )
 
 
 def judge(name: str, sides: Sides, cases: int) -> Judged:
@@ -117,7 +138,9 @@ def judge(name: str, sides: Sides, cases: int) -> Judged:
 
 
 def times(ratio: Estimate, factor: float) -> Estimate:
-    return replace(ratio, value=factor * ratio.value, low=factor * ratio.low, high=factor * ratio.high)
+    return replace(
+        ratio, value=factor * ratio.value, low=factor * ratio.low, high=factor * ratio.high
+    )
 
 
 def inverse(ratio: Estimate) -> Estimate:
@@ -125,12 +148,19 @@ def inverse(ratio: Estimate) -> Estimate:
 
 
 def self_test(judged: Sequence[Judged]) -> list[str]:
-    """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no difference of the base from itself."""
-    failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: the difference is not between the builds"
-                for one in judged if one.planted.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
+    """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no
+    difference of the base from itself."""
+    failures = [
+        f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: the difference is not between the builds"
+        for one in judged
+        if one.planted.n and (alarms(one.itself) or alarms(inverse(one.itself)))
+    ]
     planted = [one for one in judged if one.planted.n]
-    failures += [f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
-                 for one in planted if not alarms(one.planted)]
+    failures += [
+        f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
+        for one in planted
+        if not alarms(one.planted)
+    ]
     return failures if planted else [*failures, "no slowdown was planted"]
 
 
@@ -140,18 +170,28 @@ def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
         return Verdict.nothing_measured, ["base and candidate have no case in common"]
     if failures := self_test(judged):
         return Verdict.inconclusive, failures
-    reasons = [f"{one.name}: slower by {100 * (one.ratio.value - 1):.1f} %, and in a second run by {100 * (one.second.value - 1):.1f} %"
-               for one in judged if one.red]
+    reasons = [
+        f"{one.name}: slower by {100 * (one.ratio.value - 1):.1f} %, and in a second run by {100 * (one.second.value - 1):.1f} %"
+        for one in judged
+        if one.red
+    ]
     verdict = Verdict.red if reasons else Verdict.passed
-    reasons += [f"{one.name}: an alarm ({100 * (one.ratio.value - 1):+.1f} %), which a second run did not repeat "
-                f"({100 * (one.second.value - 1):+.1f} %)" for one in judged if one.alarms and not one.red]
+    reasons += [
+        f"{one.name}: an alarm ({100 * (one.ratio.value - 1):+.1f} %), which a second run did not repeat "
+        f"({100 * (one.second.value - 1):+.1f} %)"
+        for one in judged
+        if one.alarms and not one.red
+    ]
     if blurred := [one.name for one in judged if not one.sees <= PLANTED + LEAST]:
-        reasons.append(f"too noisy to see a slowdown of {100 * (PLANTED + LEAST):.0f} %: {', '.join(blurred)}")
+        reasons.append(
+            f"too noisy to see a slowdown of {100 * (PLANTED + LEAST):.0f} %: {', '.join(blurred)}"
+        )
     return verdict, reasons
 
 
 def whole(verdicts: Sequence[Verdict]) -> Verdict:
-    """Combines the verdicts of all tiers: red if one is red, else inconclusive if one is. A tier that was not measured does not spoil others."""
+    """Combines the verdicts of all tiers: red if one is red, else inconclusive if one is. A tier
+    that was not measured does not spoil others."""
     for worst in (Verdict.red, Verdict.inconclusive, Verdict.passed):
         if worst in verdicts:
             return worst

@@ -2,12 +2,14 @@
 
     python3 -m bench.tracking.history REV ... [--blocks 8] [--no-instructions]
 
-Measures the given commits and adds them. Every commit runs its cases with its own program on its own models, in rounds: in each
-round, each commit measures each case once. Rounds go forth and back, so that a drift of the machine affects all commits alike. A
-case that a commit does not know stays empty. The file is written after every round, so Ctrl-C loses at most one round.
+Measures the given commits and adds them. Every commit runs its cases with its own program on its
+own models, in rounds: in each round, each commit measures each case once. Rounds go forth and back,
+so that a drift of the machine affects all commits alike. A case that a commit does not know stays
+empty. The file is written after every round, so Ctrl-C loses at most one round.
 
-A run only adds rows. Times of two runs are never compared, because a machine is not equally fast every day. To see the effect of
-a change, measure the last commit before it and the commit after it in one run.
+A run only adds rows. Times of two runs are never compared, because a machine is not equally fast
+every day. To see the effect of a change, measure the last commit before it and the commit after it
+in one run.
 """
 
 from __future__ import annotations
@@ -48,7 +50,8 @@ BLOCKS = 8  # the fewest whose range contains the median with 99 % confidence
 
 @dataclass(frozen=True)
 class Row:
-    """A case at a commit on a machine: the median over blocks with its interval; each block is the least of its repeats."""
+    """A case at a commit on a machine: the median over blocks with its interval; each block is the
+    least of its repeats."""
 
     commit: str  # ten digits
     date: str  # date of the commit, UTC
@@ -70,7 +73,8 @@ class Row:
 
     @property
     def session(self) -> tuple[str, str]:
-        """Identifies the rows that were measured in turn with this one, so that their times can be compared."""
+        """Identifies the rows that were measured in turn with this one, so that their times can be
+        compared."""
         return self.measured, self.machine
 
 
@@ -106,15 +110,31 @@ def row_of(cells: list[str]) -> Row:
     if (known["blocks"] == "0") != (known["cpu_seconds"] == ""):
         raise ValueError("a row has both blocks and a time, or neither")
     pairs = [part.partition("=") for part in known["counters"].split()]
-    cpu, low, high, wall = (seconds_in(known[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds"))
+    cpu, low, high, wall = (
+        seconds_in(known[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds")
+    )
     if math.isnan(low) != math.isnan(high) or low > cpu or cpu > high:
         raise ValueError("cpu_seconds is not between cpu_low and cpu_high")
-    return Row(known["commit"], known["date"], known["machine"], known["measured"], known["case"], cpu, low, high, int(known["blocks"]), wall,
-               int(known["instructions"]) if known["instructions"] else None, {name: int(count) for name, _, count in pairs}, known["shapes"])
+    return Row(
+        known["commit"],
+        known["date"],
+        known["machine"],
+        known["measured"],
+        known["case"],
+        cpu,
+        low,
+        high,
+        int(known["blocks"]),
+        wall,
+        int(known["instructions"]) if known["instructions"] else None,
+        {name: int(count) for name, _, count in pairs},
+        known["shapes"],
+    )
 
 
 def read(file: Path) -> list[Row]:
-    """Returns all rows, or none if there is no file. Raises ValueError if the file is not a history."""
+    """Returns all rows, or none if there is no file. Raises ValueError if the file is not a
+    history."""
     if not file.exists():
         return []
     rows: dict[tuple[str, ...], Row] = {}
@@ -126,16 +146,21 @@ def read(file: Path) -> list[Row]:
                     raise ValueError(f"the columns are not {','.join(COLUMNS)}")
                 continue
             if (row := row_of(cells)).key in rows:
-                raise ValueError(f"{row.case} at {row.commit} on this machine is there twice in one run")
+                raise ValueError(
+                    f"{row.case} at {row.commit} on this machine is there twice in one run"
+                )
         except ValueError as problem:
-            raise ValueError(f"{file}, line {lines.line_num}: {problem}: correct or delete the line, or take the committed file "
-                             f"(git checkout {file})") from None
+            raise ValueError(
+                f"{file}, line {lines.line_num}: {problem}: correct or delete the line, or take the committed file "
+                f"(git checkout {file})"
+            ) from None
         rows[row.key] = row
     return list(rows.values())
 
 
 def write(file: Path, rows: Iterable[Row]) -> None:
-    """Sorts runs by time, and keeps the order of rows within a run. The file is complete at any time."""
+    """Sorts runs by time, and keeps the order of rows within a run. The file is complete at any
+    time."""
     file.parent.mkdir(parents=True, exist_ok=True)
     new = file.with_name(file.name + ".part")
     with new.open("w", encoding="utf-8") as out:
@@ -159,7 +184,8 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 def add(file: Path, rows: Sequence[Row]) -> list[Row]:
-    """Writes the rows of a run so far, in place of its earlier ones, and returns all rows of the file. Keeps the rows of other runs."""
+    """Writes the rows of a run so far, in place of its earlier ones, and returns all rows of the
+    file. Keeps the rows of other runs."""
     with alone(file.parent):
         keys = {row.key for row in rows}
         every = [row for row in read(file) if row.key not in keys] + list(rows)
@@ -168,30 +194,49 @@ def add(file: Path, rows: Sequence[Row]) -> list[Row]:
 
 
 def in_order(commits: dict[str, str]) -> list[str]:
-    """Sorts commits, oldest first: by ancestry if git knows them, because many have the same second; others by the given dates."""
+    """Sorts commits, oldest first: by ancestry if git knows them, because many have the same
+    second; others by the given dates."""
     bare = {commit: commit.rstrip("+") for commit in commits}
     try:
-        known = builds.git("rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()).split()
+        known = builds.git(
+            "rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()
+        ).split()
     except builds.NotBuilt:
         known = []
-    there = {commit: i for i, one in enumerate(known) for commit in commits if one.startswith(bare[commit])}
+    there = {
+        commit: i
+        for i, one in enumerate(known)
+        for commit in commits
+        if one.startswith(bare[commit])
+    }
 
     def key(commit: str) -> tuple[int, bool, str, str]:
         later_than = [place for one, place in there.items() if commits[one] <= commits[commit]]
-        return there.get(commit, max(later_than, default=-1)), commit not in there, commits[commit], commit
+        return (
+            there.get(commit, max(later_than, default=-1)),
+            commit not in there,
+            commits[commit],
+            commit,
+        )
 
     return sorted(commits, key=key)
 
 
 def compiler() -> str:
     try:
-        return "g++ " + subprocess.run(["g++", "-dumpfullversion"], capture_output=True, text=True, check=True).stdout.strip()
+        return (
+            "g++ "
+            + subprocess.run(
+                ["g++", "-dumpfullversion"], capture_output=True, text=True, check=True
+            ).stdout.strip()
+        )
     except (OSError, subprocess.CalledProcessError):
         return "no g++"
 
 
 def machine(cpuinfo: str, compiled_by: str) -> str:
-    """Returns a short text for the machine; times of machines with different texts are never compared."""
+    """Returns a short text for the machine; times of machines with different texts are never
+    compared."""
     model = re.search(r"^model name\s*: *(.+)$", cpuinfo, re.M)
     name = re.sub(r"\((R|TM|tm)\)", "", model[1]) if model else f"{platform.machine()} processor"
     cores = len(re.findall(r"^processor\s*:", cpuinfo, re.M))
@@ -217,7 +262,8 @@ class Version:
 
     @property
     def folder(self) -> Path:
-        """Returns the folder for its cases, inside its worktree, so that the program uses the models of that commit."""
+        """Returns the folder for its cases, inside its worktree, so that the program uses the
+        models of that commit."""
         folder = self.build.tree / "build" / "history"
         folder.mkdir(parents=True, exist_ok=True)
         return folder
@@ -228,20 +274,28 @@ def say(text: str) -> None:
 
 
 def tell(versions: Sequence[Version]) -> None:
-    """Reports cases left out since the last report: a line for each reason, with its cases and commits."""
+    """Reports cases left out since the last report: a line for each reason, with its cases and
+    commits."""
     found: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for version in versions:
         new = [name for name in version.empty if name not in version.told]
         for why in dict.fromkeys(version.empty[name] for name in new):
-            found.setdefault((why, tuple(name for name in new if version.empty[name] == why)), []).append(version.build.commit)
+            found.setdefault(
+                (why, tuple(name for name in new if version.empty[name] == why)), []
+            ).append(version.build.commit)
         version.told.update(new)
     for (why, names), commits in found.items():
         say(f"{', '.join(commits)}: no blocks from here on: {', '.join(names)}: {why}")
 
 
 def short(problem: Exception) -> str:
-    """Removes the temporary file name and the list of known names, so that an error reads the same for every case."""
-    return re.sub(r" \(known: .*|(?<=unknown solver) .*", "", re.sub(r"^exit code \d+: hausbench: \S+?(:\d+)?: ", "", str(problem)))[:150]
+    """Removes the temporary file name and the list of known names, so that an error reads the same
+    for every case."""
+    return re.sub(
+        r" \(known: .*|(?<=unknown solver) .*",
+        "",
+        re.sub(r"^exit code \d+: hausbench: \S+?(:\d+)?: ", "", str(problem)),
+    )[:150]
 
 
 def as_text(seconds: float) -> str:
@@ -253,7 +307,8 @@ def date_of(commit: str) -> str:
 
 
 def versions_of(revisions: Sequence[str]) -> list[Version]:
-    """Builds the commits, and returns the ones that build, oldest first and each once. Raises NotBuilt if there is none."""
+    """Builds the commits, and returns the ones that build, oldest first and each once. Raises
+    NotBuilt if there is none."""
     found: dict[str, Version] = {}
     for revision in revisions:
         try:
@@ -264,7 +319,10 @@ def versions_of(revisions: Sequence[str]) -> list[Version]:
         found[build.commit] = Version(build, date_of(build.commit))
     if not found:
         raise NotBuilt("there is no commit to measure")
-    return [found[commit] for commit in in_order({commit: version.date for commit, version in found.items()})]
+    return [
+        found[commit]
+        for commit in in_order({commit: version.date for commit, version in found.items()})
+    ]
 
 
 def measure_kernels(version: Version, names: list[str]) -> None:
@@ -272,7 +330,10 @@ def measure_kernels(version: Version, names: list[str]) -> None:
     least, why = {}, "there is no kernel_bench"
     if version.build.kernels is not None:
         try:
-            least, why = one_block.measure_kernels(version.build.kernels, names, version.folder), "kernel_bench does not have it"
+            least, why = (
+                one_block.measure_kernels(version.build.kernels, names, version.folder),
+                "kernel_bench does not have it",
+            )
         except NotMeasured as problem:
             why = short(problem)
     for name, seconds in least.items():
@@ -280,9 +341,15 @@ def measure_kernels(version: Version, names: list[str]) -> None:
     version.empty.update({name: why for name in names if name not in least})
 
 
-def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list[str], number: int, bar: Progress) -> None:
-    """Measures one block of each case and kernel at each commit. Measures a case at all commits before the next case, so that they
-    meet the same load of the machine.
+def one_round(
+    versions: Sequence[Version],
+    chosen: Sequence[Case],
+    kernels: list[str],
+    number: int,
+    bar: Progress,
+) -> None:
+    """Measures one block of each case and kernel at each commit. Measures a case at all commits
+    before the next case, so that they meet the same load of the machine.
     """
     turn = list(versions) if number % 2 == 0 else list(versions)[::-1]
     for i, case in enumerate(chosen):
@@ -290,7 +357,10 @@ def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list
             if case.name in version.empty:
                 continue
             try:
-                version.measured[case.name] = [*version.measured.get(case.name, []), one_block.measure(version.build.program, case, version.folder)]
+                version.measured[case.name] = [
+                    *version.measured.get(case.name, []),
+                    one_block.measure(version.build.program, case, version.folder),
+                ]
             except NotMeasured as problem:
                 version.empty[case.name] = short(problem)
         bar.done(number * (len(chosen) + 1) + i + 1)
@@ -302,7 +372,8 @@ def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list
 
 
 def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> None:
-    """Drops the times of a case at commits where its shapes differ from the newest commit that measured it."""
+    """Drops the times of a case at commits where its shapes differ from the newest commit that
+    measured it."""
     for case in chosen:
         known = [version for version in versions if version.measured.get(case.name)]
         for version in known:
@@ -318,25 +389,49 @@ def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> l
         kept = version.measured.get(name, [])
         if kept:
             cpu = median([block.cpu for block in kept])
-            row = dataclasses.replace(row, cpu_seconds=cpu.value, cpu_low=cpu.low, cpu_high=cpu.high, blocks=cpu.n,
-                                      counters={counter: count for counter, count in kept[-1].counters.items() if count},
-                                      wall_seconds=float(np.median([block.wall for block in kept])), shapes=kept[-1].shapes,
-                                      instructions=version.instructions.get(name))
+            row = dataclasses.replace(
+                row,
+                cpu_seconds=cpu.value,
+                cpu_low=cpu.low,
+                cpu_high=cpu.high,
+                blocks=cpu.n,
+                counters={counter: count for counter, count in kept[-1].counters.items() if count},
+                wall_seconds=float(np.median([block.wall for block in kept])),
+                shapes=kept[-1].shapes,
+                instructions=version.instructions.get(name),
+            )
         rows.append(row)
     return rows
 
 
 def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequence[Kernel]) -> None:
-    """Counts instructions of everything that has a time. Counts do not vary with load, so once is enough, and several run at once."""
+    """Counts instructions of everything that has a time. Counts do not vary with load, so once is
+    enough, and several run at once."""
     there = version.measured
-    jobs = counted.jobs_of([case for case in chosen if case.name in there], [kernel for kernel in kernels if kernel.name in there],
-                           version.build.program, version.build.kernels, version.folder)
-    version.instructions = {name: count[0] for name, count in counted.in_parallel(jobs).items() if not isinstance(count, NotMeasured)}
+    jobs = counted.jobs_of(
+        [case for case in chosen if case.name in there],
+        [kernel for kernel in kernels if kernel.name in there],
+        version.build.program,
+        version.build.kernels,
+        version.folder,
+    )
+    version.instructions = {
+        name: count[0]
+        for name, count in counted.in_parallel(jobs).items()
+        if not isinstance(count, NotMeasured)
+    }
 
 
-def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, instructions: bool = True, only: Sequence[Case] | None = None,
-            kernels: Sequence[Kernel] = KERNELS) -> list[Row]:
-    """Builds and measures these commits, writes the file after every round, and returns all its rows. Raises NotBuilt if no commit builds."""
+def measure(
+    revisions: Sequence[str],
+    file: Path = FILE,
+    blocks: int = BLOCKS,
+    instructions: bool = True,
+    only: Sequence[Case] | None = None,
+    kernels: Sequence[Kernel] = KERNELS,
+) -> list[Row]:
+    """Builds and measures these commits, writes the file after every round, and returns all its
+    rows. Raises NotBuilt if no commit builds."""
     chosen, names = cases() if only is None else only, [kernel.name for kernel in kernels]
     where, begun = this_machine(), as_text(time.time())
     read(file)  # report an error in the file before building anything
@@ -345,9 +440,18 @@ def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, i
         builds.fetch(version.build.tree, {model for case in chosen for model in case.models})
 
     def save() -> list[Row]:
-        return add(file, [row for version in versions for row in rows_of(version, [*(case.name for case in chosen), *names], where, begun)])
+        return add(
+            file,
+            [
+                row
+                for version in versions
+                for row in rows_of(version, [*(case.name for case in chosen), *names], where, begun)
+            ],
+        )
 
-    say(f"{len(versions)} commits, {len(chosen)} cases and {len(names)} kernels, {blocks} blocks each, on {where}")
+    say(
+        f"{len(versions)} commits, {len(chosen)} cases and {len(names)} kernels, {blocks} blocks each, on {where}"
+    )
     bar = Progress(blocks * (len(chosen) + 1), "turns", "history")
     for number in range(blocks):
         one_round(versions, chosen, names, number, bar)
@@ -363,10 +467,21 @@ def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, i
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("revisions", nargs="+", metavar="REV", help="commits to measure")
-    parser.add_argument("--blocks", type=int, default=BLOCKS, help=f"fresh processes of each case at each commit (default: {BLOCKS})")
-    parser.add_argument("--no-instructions", action="store_true", help="do not count instructions, which takes some seconds for each case of each commit")
+    parser.add_argument(
+        "--blocks",
+        type=int,
+        default=BLOCKS,
+        help=f"fresh processes of each case at each commit (default: {BLOCKS})",
+    )
+    parser.add_argument(
+        "--no-instructions",
+        action="store_true",
+        help="do not count instructions, which takes some seconds for each case of each commit",
+    )
     parser.add_argument("--csv", type=Path, default=FILE)
     options = parser.parse_args(arguments)
     if options.blocks < 1:

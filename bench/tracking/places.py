@@ -1,8 +1,10 @@
-"""Puts both programs of a pair of blocks under paths of the same length, which is random for each pair.
+"""Puts both programs of a pair of blocks under paths of the same length, which is random for each
+pair.
 
-A program allocates its paths, so their lengths decide where its arrays begin: `cover` was 7 % slower under a longer path, in
-every repeat of every process. With equal lengths, a build is as fast as itself. A change of the code can shift arrays, too; over
-many lengths, such shifts become noise that the intervals include, and do not look like slowdowns.
+A program allocates its paths, so their lengths decide where its arrays begin: `cover` was 7 %
+slower under a longer path, in every repeat of every process. With equal lengths, a build is as fast
+as itself. A change of the code can shift arrays, too; over many lengths, such shifts become noise
+that the intervals include, and do not look like slowdowns.
 """
 
 from __future__ import annotations
@@ -31,10 +33,11 @@ class Places:
 
     @contextmanager
     def root(self, tree: Path, number: int) -> Iterator[Path]:
-        """Makes a folder with links to the contents of the tree, and an empty build folder for a program.
+        """Makes a folder with links to the contents of the tree, and an empty build folder for a
+        program.
 
-        Programs that do not know HAUSBENCH_ROOT yet search for their tree in the folders above. `number` is a digit that
-        distinguishes folders that exist at the same time.
+        Programs that do not know HAUSBENCH_ROOT yet search for their tree in the folders above.
+        `number` is a digit that distinguishes folders that exist at the same time.
         """
         root = self.folder / f"tree-{number}{'-' * self.padding}"
         root.mkdir()

@@ -1,4 +1,5 @@
-"""Progress of a long measurement: one changing line on a terminal, otherwise a separate line for every fifth count."""
+"""Progress of a long measurement: one changing line on a terminal, otherwise a separate line for
+every fifth count."""
 
 from __future__ import annotations
 
@@ -14,11 +15,17 @@ class Progress:
         self._begun = time.monotonic()
 
     def done(self, count: int) -> None:
-        """Shows that `count` units (at least 1) are done, and the time left if the others take as long."""
+        """Shows that `count` units (at least 1) are done, and the time left if the others take as
+        long."""
         left = (time.monotonic() - self._begun) / count * (self.total - count)
         text = f"{self.who}: {count} of {self.total} {self.unit}, {left:.0f} s left"
         if sys.stderr.isatty():
-            print(f"{CLEAR}{text}", end="\n" if count == self.total else "", file=sys.stderr, flush=True)
+            print(
+                f"{CLEAR}{text}",
+                end="\n" if count == self.total else "",
+                file=sys.stderr,
+                flush=True,
+            )
         elif count % 5 == 0 or count == self.total:
             print(text, file=sys.stderr, flush=True)
 

@@ -1,4 +1,5 @@
-"""Tier 3: measures pairs of blocks (fresh processes) of base and candidate, and pairs for the self-test."""
+"""Tier 3: measures pairs of blocks (fresh processes) of base and candidate, and pairs for the
+self-test."""
 
 from __future__ import annotations
 
@@ -12,15 +13,24 @@ from analysis.shared.estimates import NO_DATA
 from bench.tracking.blocks import Job, NotMeasured, job_of_case, job_of_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
+from bench.tracking.gate import (
+    PLANTED,
+    SCREENING,
+    Judged,
+    Sides,
+    compare,
+    decided,
+    judge,
+    suspected,
+)
 from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.together import together
 
 T = TypeVar("T")
 
-# The repeats of a block take this long, so that even a solve of 0.2 ms gets many turns on the shared
-# core. The process itself takes 0.13 s.
+# The repeats of a block take this long, so that even a solve of 0.2 ms gets many turns on the
+# shared core. The process itself takes 0.13 s.
 SECONDS_OF_REPEATS = 0.05
 MOST_REPEATS = 250
 
@@ -31,8 +41,9 @@ Say = Callable[[str], None]
 class Subject:
     """The work of a block: a case, or all kernels.
 
-    `blocks` measures a block of each of the given sides at once, for the given names, and returns seconds by name for each side.
-    `shapes` collects the shapes by side. `move` makes the next blocks, of either side, run under paths of another length.
+    `blocks` measures a block of each of the given sides at once, for the given names, and returns
+    seconds by name for each side. `shapes` collects the shapes by side. `move` makes the next
+    blocks, of either side, run under paths of another length.
     """
 
     name: str
@@ -62,12 +73,20 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
     """Returns the kernels of both builds, or nothing if one of them has no kernel_bench."""
     if not (base.kernels and candidate.kernels):
         return {}
-    return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
+    return {
+        "base": Program(base.kernels, base.tree),
+        "candidate": Program(candidate.kernels, candidate.tree),
+    }
 
 
-def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
-            job: Callable[[str, Path, Path], AbstractContextManager[Job[T]]]) -> list[T]:
-    """Runs the job of each side, all at the same time; `job` gets the side, its program and its folder."""
+def at_once(
+    sides: Sequence[str],
+    programs: dict[str, Program],
+    places: Places,
+    job: Callable[[str, Path, Path], AbstractContextManager[Job[T]]],
+) -> list[T]:
+    """Runs the job of each side, all at the same time; `job` gets the side, its program and its
+    folder."""
     with ExitStack() as stack:
         jobs = []
         for number, side in enumerate(sides):
@@ -78,31 +97,48 @@ def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
 
 
 def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
-    """Makes the subject of a case. The time of its first block sets the number of repeats in all later blocks."""
+    """Makes the subject of a case. The time of its first block sets the number of repeats in all
+    later blocks."""
     asked = [case]
     shapes: dict[str, str] = {}
 
     def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
-        found = at_once(sides, programs, places, lambda _, program, root: job_of_case(program, asked[0], folder, root))
+        found = at_once(
+            sides,
+            programs,
+            places,
+            lambda _, program, root: job_of_case(program, asked[0], folder, root),
+        )
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
         if asked[0] is case:
-            repeats = max(int(case.experiment["repeats"]), min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)))
+            repeats = max(
+                int(case.experiment["repeats"]),
+                min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)),
+            )
             asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
         return [{case.name: block.cpu} for block in found]
 
     return Subject(case.name, (case.name,), blocks, shapes, places.move)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Program], folder: Path, places: Places) -> Subject:
+def of_kernels(
+    names: Sequence[str], programs: dict[str, Program], folder: Path, places: Places
+) -> Subject:
     def blocks(sides: Sequence[str], some: Sequence[str]) -> list[dict[str, float]]:
-        return at_once(sides, programs, places, lambda _, program, root: job_of_kernels(program, list(some), folder, root))
+        return at_once(
+            sides,
+            programs,
+            places,
+            lambda _, program, root: job_of_kernels(program, list(some), folder, root),
+        )
 
     return Subject("kernels", tuple(names), blocks, move=places.move)
 
 
 @dataclass
 class Known:
-    """The subjects that both builds can measure. Lines about others: `broken` if only the candidate fails, else `left_out`."""
+    """The subjects that both builds can measure. Lines about others: `broken` if only the candidate
+    fails, else `left_out`."""
 
     subjects: list[Subject] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
@@ -113,31 +149,43 @@ class Known:
         try:
             base = subject.block("base")
         except NotMeasured as why:
-            self.left_out.append(f"{subject.name}: left out, because the base does not measure it: {why}")
+            self.left_out.append(
+                f"{subject.name}: left out, because the base does not measure it: {why}"
+            )
             return
         try:
             candidate = subject.block("candidate")
         except NotMeasured as why:
-            (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, but this build does not: {why}")
+            (self.left_out if why.skipped else self.broken).append(
+                f"{subject.name}: the base measures it, but this build does not: {why}"
+            )
             return
         if len(set(subject.shapes.values())) > 1:
-            self.left_out.append(f"{subject.name}: left out, because it has other shapes than the base")
+            self.left_out.append(
+                f"{subject.name}: left out, because it has other shapes than the base"
+            )
             return
         both = tuple(name for name in subject.names if name in base and name in candidate)
-        self.left_out += [f"{name}: left out, because {'the base' if name not in base else 'this build'} does not have it"
-                          for name in subject.names if name not in both]
+        self.left_out += [
+            f"{name}: left out, because {'the base' if name not in base else 'this build'} does not have it"
+            for name in subject.names
+            if name not in both
+        ]
         if both:
             self.subjects.append(replace(subject, names=both))
 
     def for_self_test(self, wanted: str) -> Subject | None:
         """Returns the case of the self-test: the one with that name, or else the first."""
         cases = [subject for subject in self.subjects if subject.shapes]  # kernels have no shapes
-        return next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
+        return next(
+            (subject for subject in cases if subject.name == wanted), cases[0] if cases else None
+        )
 
 
 @dataclass(frozen=True)
 class Question:
-    """Is the side `slower` slower than `beside`? `sides` holds their times by name, with `slower` as the candidate.
+    """Is the side `slower` slower than `beside`? `sides` holds their times by name, with `slower`
+    as the candidate.
 
     The times of `slower` are multiplied by `factor`, which plants a slowdown.
     """
@@ -185,10 +233,15 @@ def screen(questions: Sequence[Question], count: int) -> None:
 
 
 def answer(questions: Sequence[Question], count: int, cases: int) -> None:
-    """Measures blocks of each question, up to `count` per side, until it is certain whether it alarms. `cases` sets the confidence."""
+    """Measures blocks of each question, up to `count` per side, until it is certain whether it
+    alarms. `cases` sets the confidence."""
     progress = Progress(count // 2, "turns at most", "time")
     for number in range(count // 2):
-        asked = [(one, names) for one in questions if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])]
+        asked = [
+            (one, names)
+            for one in questions
+            if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])
+        ]
         if not asked:
             progress.over()
             return
@@ -203,16 +256,22 @@ Run = dict[str, Sides]
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
     """Judges all cases. Also returns the times: the first run, the self-test, the second run.
 
-    Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of the self-test, in the case
-    `wanted` if present. Cases that alarm are measured again. This second run is independent of the first, so its intervals need
-    only the confidence for these few cases.
+    Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of the
+    self-test, in the case `wanted` if present. Cases that alarm are measured again. This second run
+    is independent of the first, so its intervals need only the confidence for these few cases.
     """
     first = [question(subject, subject.names) for subject in known.subjects]
     screen(first, min(SCREENING, count))
     measured: Run = {name: sides for one in first for name, sides in one.sides.items()}
     cases = len(measured)
-    suspects = [replace(one, names=names) for one in first if (names := tuple(name for name in one.names if suspected(one.sides[name])))]
-    say(f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the self-test'])}")
+    suspects = [
+        replace(one, names=names)
+        for one in first
+        if (names := tuple(name for name in one.names if suspected(one.sides[name])))
+    ]
+    say(
+        f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the self-test'])}"
+    )
     chosen = known.for_self_test(wanted)
     self_test = planted(chosen) if chosen else None
     answer([*suspects, *filter(None, [self_test])], count, cases)
@@ -220,14 +279,28 @@ def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Jud
     runs = [measured]
     if self_test:
         runs.append(self_test.sides)
-        ratio = {name: compare(sides.candidate, sides.base, cases) for name, sides in self_test.sides.items()}
-        judged = [replace(one, planted=ratio[one.name]) if one.name in ratio else one for one in judged]
+        ratio = {
+            name: compare(sides.candidate, sides.base, cases)
+            for name, sides in self_test.sides.items()
+        }
+        judged = [
+            replace(one, planted=ratio[one.name]) if one.name in ratio else one for one in judged
+        ]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
         return judged, runs
     say(f"a second run of {', '.join(sorted(doubted))}")
-    again = [question(one.subject, names) for one in first if (names := tuple(name for name in one.names if name in doubted))]
+    again = [
+        question(one.subject, names)
+        for one in first
+        if (names := tuple(name for name in one.names if name in doubted))
+    ]
     answer(again, count, len(doubted))
     second: Run = {name: sides for one in again for name, sides in one.sides.items()}
-    again_ratios = {name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()}
-    return [replace(one, second=again_ratios.get(one.name, NO_DATA)) for one in judged], [*runs, second]
+    again_ratios = {
+        name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()
+    }
+    return [replace(one, second=again_ratios.get(one.name, NO_DATA)) for one in judged], [
+        *runs,
+        second,
+    ]

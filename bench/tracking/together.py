@@ -1,10 +1,12 @@
 """Runs two programs at the same time on one core, so that a disturbance of the core slows both.
 
-Other guests of a host slow a core by a half, for milliseconds or seconds, so consecutive blocks meet different disturbances.
-Two blocks on one core alternate every few milliseconds, by the system's scheduler, and meet the same ones. Each needs 1 to 2 %
-more CPU time than alone, because they share caches, except in the last repeats of the block that ends last. On a busy host, 88 to
-97 % of such pairs showed a planted slowdown of 5 % as more than 3 % (nohd, guthe, kang, zheng; 32 pairs each), compared with 66 to
-84 % of consecutive pairs. Stopping one while the other runs, for 20 to 100 ms, was no better.
+Other guests of a host slow a core by a half, for milliseconds or seconds, so consecutive blocks
+meet different disturbances. Two blocks on one core alternate every few milliseconds, by the
+system's scheduler, and meet the same ones. Each needs 1 to 2 % more CPU time than alone, because
+they share caches, except in the last repeats of the block that ends last. On a busy host, 88 to 97
+% of such pairs showed a planted slowdown of 5 % as more than 3 % (nohd, guthe, kang, zheng; 32
+pairs each), compared with 66 to 84 % of consecutive pairs. Stopping one while the other runs, for
+20 to 100 ms, was no better.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ T = TypeVar("T")
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Restricts this process and its children to its last core; the first core handles most device interrupts."""
+    """Restricts this process and its children to its last core; the first core handles most device
+    interrupts."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(before)})
     try:
@@ -42,7 +45,8 @@ class Running:
     errors: IO[str]
 
     def said(self, good: tuple[int, ...]) -> str:
-        """Returns the output of the ended process. Raises NotMeasured if its exit code is not in `good`."""
+        """Returns the output of the ended process. Raises NotMeasured if its exit code is not in
+        `good`."""
         texts = []
         for file in (self.output, self.errors):
             file.seek(0)
@@ -53,10 +57,19 @@ class Running:
 @contextmanager
 def started(job: Job[T]) -> Iterator[Running]:
     """Starts a job, and kills it on exit. Its workers die with their parent."""
-    with tempfile.TemporaryFile("w+", errors="replace") as output, tempfile.TemporaryFile("w+", errors="replace") as errors:
+    with tempfile.TemporaryFile("w+", errors="replace") as output, tempfile.TemporaryFile(
+        "w+", errors="replace"
+    ) as errors:
         try:
-            process = subprocess.Popen(job.command, cwd=job.folder, stdin=subprocess.DEVNULL, stdout=output, stderr=errors, text=True,
-                                       env=environment_of(job.root))
+            process = subprocess.Popen(
+                job.command,
+                cwd=job.folder,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=errors,
+                text=True,
+                env=environment_of(job.root),
+            )
         except OSError as problem:
             raise NotMeasured(f"{job.command[0]} does not run: {problem.strerror}") from None
         try:

@@ -1,15 +1,19 @@
-"""Tells whether solvers have become slower: work counters, instructions, then times beside an older build.
+"""Tells whether solvers have become slower: work counters, instructions, then times beside an older
+build.
 
     hausbench track [--base REV] [--tiers counters,instructions,time] [--blocks N] [--case NAME ...]
     hausbench track --update REASON   a new baseline of counters and instructions, for an intended change
 
-Tier 1, counters: the counters of the tracked cases (experiments/tracking.toml) equal bench/tracking/baseline.toml. Tier 2,
-instructions: they are within half a per cent of the baseline, under valgrind. Tier 3, time: the base (default: HEAD) is built in
-build/versions/COMMIT, and its blocks are measured in pairs with blocks of this build, with more blocks for cases that look
-slower. It tests itself with the base beside itself, whose times must alarm only if one side is multiplied by 1.05.
+Tier 1, counters: the counters of the tracked cases (experiments/tracking.toml) equal
+bench/tracking/baseline.toml. Tier 2, instructions: they are within half a per cent of the baseline,
+under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
+blocks are measured in pairs with blocks of this build, with more blocks for cases that look slower.
+It tests itself with the base beside itself, whose times must alarm only if one side is multiplied
+by 1.05.
 
-Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, because the self-test of the times failed;
-5: nothing was measured, or something broke; 2: a usage error. CONTRIBUTING.md says what to do then.
+Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, because the
+self-test of the times failed; 5: nothing was measured, or something broke; 2: a usage error.
+CONTRIBUTING.md says what to do then.
 """
 
 from __future__ import annotations
@@ -81,34 +85,68 @@ def ratio_text(ratio: Estimate) -> str:
 def table(judged: Sequence[Judged]) -> list[str]:
     """Returns a line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = ["shows: the smallest slowdown that would be an alarm after that many blocks",
-             f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows"]
+    lines = [
+        "shows: the smallest slowdown that would be an alarm after that many blocks",
+        f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows",
+    ]
     for one in judged:
-        word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
-        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {one.ratio.n:>6}  {ratio_text(one.ratio):>22}  "
-                     f"{100 * one.sees:.1f} %  {word}".rstrip())
+        word = (
+            "red"
+            if one.red
+            else "an alarm that was not repeated"
+            if one.alarms
+            else "faster"
+            if one.ratio.high < 1 - LEAST
+            else ""
+        )
+        lines.append(
+            f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {one.ratio.n:>6}  {ratio_text(one.ratio):>22}  "
+            f"{100 * one.sees:.1f} %  {word}".rstrip()
+        )
         if one.planted.n:
-            lines.append(f"{'  the base beside itself':{width}}  {'':>9}  {one.itself.n:>6}  {ratio_text(one.itself):>22}")
-            lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {one.planted.n:>6}  {ratio_text(one.planted):>22}")
+            lines.append(
+                f"{'  the base beside itself':{width}}  {'':>9}  {one.itself.n:>6}  {ratio_text(one.itself):>22}"
+            )
+            lines.append(
+                f"{'  with 5 % planted':{width}}  {'':>9}  {one.planted.n:>6}  {ratio_text(one.planted):>22}"
+            )
         if one.second.n:
-            lines.append(f"{'  in a second run':{width}}  {'':>9}  {one.second.n:>6}  {ratio_text(one.second):>22}")
+            lines.append(
+                f"{'  in a second run':{width}}  {'':>9}  {one.second.n:>6}  {ratio_text(one.second):>22}"
+            )
     return lines
 
 
 def counters_tier(report: Report, task: Task) -> counted.Found:
     baseline = counted.read_baseline(task.given.baseline)
-    found = counted.count_work(task.cases, task.given.program, baseline.get("counters", {}), task.folder)
+    found = counted.count_work(
+        task.cases, task.given.program, baseline.get("counters", {}), task.folder
+    )
     report.add("counters", found.verdict, found.lines)
     return found
 
 
 def instructions_tier(report: Report, task: Task) -> counted.Found:
     baseline = counted.read_baseline(task.given.baseline)
-    jobs = counted.jobs_of(task.cases, KERNELS if task.kernels else (), task.given.program, task.kernel_program, task.folder)
+    jobs = counted.jobs_of(
+        task.cases,
+        KERNELS if task.kernels else (),
+        task.given.program,
+        task.kernel_program,
+        task.folder,
+    )
     shapes = {name: table["shapes"] for name, table in baseline.get("counters", {}).items()}
-    found = counted.count_instructions(jobs, baseline.get("instructions", {}), shapes, task.given.update is not None)
-    missing = ["kernels: nothing measured: there is no kernel_bench next to the program: build it with 'make track'"]
-    report.add("instructions", found.verdict, found.lines + (missing if task.kernels and task.kernel_program is None else []))
+    found = counted.count_instructions(
+        jobs, baseline.get("instructions", {}), shapes, task.given.update is not None
+    )
+    missing = [
+        "kernels: nothing measured: there is no kernel_bench next to the program: build it with 'make track'"
+    ]
+    report.add(
+        "instructions",
+        found.verdict,
+        found.lines + (missing if task.kernels and task.kernel_program is None else []),
+    )
     return found
 
 
@@ -123,12 +161,18 @@ def base_of(task: Task) -> Build:
 
 
 def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> timed.Known:
-    programs, kernel_programs = timed.programs_of(base, candidate), timed.kernels_of(base, candidate)
+    programs, kernel_programs = timed.programs_of(base, candidate), timed.kernels_of(
+        base, candidate
+    )
     known = timed.Known()
     for case in task.cases:
         known.add(timed.of_case(case, programs, task.folder, places))
     if task.kernels and kernel_programs:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder, places))
+        known.add(
+            timed.of_kernels(
+                [kernel.name for kernel in KERNELS], kernel_programs, task.folder, places
+            )
+        )
     elif task.kernels:
         known.left_out.append("kernels: left out, because one of the builds has no kernel_bench")
     return known
@@ -142,28 +186,52 @@ def time_tier(report: Report, task: Task) -> None:
         known = known_to_both(task, base, candidate, Places(Path(folder)))
         notes = known.left_out + known.broken
         try:
-            judged, runs = timed.judge_all(known, SELF_TEST, task.given.blocks, lambda line: progress.say("time", line))
+            judged, runs = timed.judge_all(
+                known, SELF_TEST, task.given.blocks, lambda line: progress.say("time", line)
+            )
         except NotMeasured as why:  # although both sides could measure the case before
-            report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
+            report.add(
+                "time",
+                Verdict.red if known.broken else Verdict.inconclusive,
+                [*notes, f"a block failed: {why}"],
+            )
             return
     verdict, reasons = verdict_of_times(judged)
     many = f"{SCREENING} blocks per side, and up to {task.given.blocks} of cases that looked slower and of the self-test"
     lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
-    report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
+    report.add(
+        "time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else [])
+    )
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
 
 
 def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
-    """Writes the baseline, with new counts of all cases and kernels or of the chosen cases. Raises Missing if there are none."""
+    """Writes the baseline, with new counts of all cases and kernels or of the chosen cases. Raises
+    Missing if there are none."""
     small_scenes = {}
     if "counters" in task.given.tiers and not task.given.case:
-        small_scenes = counted.count_small_scenes(task.given.program.parent / "tests" / "counters_test", task.folder)
+        small_scenes = counted.count_small_scenes(
+            task.given.program.parent / "tests" / "counters_test", task.folder
+        )
     if not counters.measured and len(instructions.measured) < 2 and not small_scenes:
         raise counted.Missing("nothing was measured: the baseline is unchanged")
-    names = None if task.given.case else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
+    names = (
+        None
+        if task.given.case
+        else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
+    )
     baseline = counted.read_baseline(task.given.baseline)
-    counted.write_baseline(task.given.baseline,
-                           counted.updated(baseline, counters.measured, instructions.measured, task.given.update, names, small_scenes))
+    counted.write_baseline(
+        task.given.baseline,
+        counted.updated(
+            baseline,
+            counters.measured,
+            instructions.measured,
+            task.given.update,
+            names,
+            small_scenes,
+        ),
+    )
     print(f"{task.given.baseline}: written")
 
 
@@ -173,7 +241,9 @@ def attempt(report: Report, tier: str, work: Callable[[], counted.Found | None])
         return work() or counted.Found()
     except (NotBuilt, counted.Missing) as why:
         report.add(tier, Verdict.nothing_measured, [str(why)])
-    except Exception as problem:  # the harness failed: report the kind of error; the verdicts of the other tiers count
+    except (
+        Exception
+    ) as problem:  # the harness failed: report the kind of error; the verdicts of the other tiers count
         report.add(tier, Verdict.nothing_measured, [f"{type(problem).__name__}: {problem}"])
     return counted.Found()
 
@@ -201,22 +271,58 @@ def tiers(text: str) -> list[str]:
 
 def block_count(text: str) -> int:
     if not text.isdecimal() or int(text) < SCREENING or int(text) % 2:
-        raise argparse.ArgumentTypeError(f"{text!r}: give an even number of blocks, at least {SCREENING}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: give an even number of blocks, at least {SCREENING}"
+        )
     return int(text)
 
 
 def arguments(words: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="hausbench track", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--base", default="HEAD", metavar="REV", help="commit to compare with (default: HEAD)")
-    parser.add_argument("--base-program", type=Path, metavar="FILE", help="its program, if it is built already")
-    parser.add_argument("--tiers", type=tiers, default=list(TIERS), metavar="T,T", help="some of counters, instructions, time (default: all)")
-    parser.add_argument("--blocks", type=block_count, default=BLOCKS, metavar="N",
-                        help=f"the most blocks per side, for cases that look slower after {SCREENING} (default: {BLOCKS})")
-    parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin with this; may be repeated")
-    parser.add_argument("--update", metavar="REASON", help="write the baseline of counters (small scenes included) and instructions, with the reason; "
-                                                           "measure no times")
-    parser.add_argument("--record", type=Path, default=ROOT / "results" / "tracking.json", metavar="FILE",
-                        help="file for all measurements (default: results/tracking.json)")
+    parser = argparse.ArgumentParser(
+        prog="hausbench track",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--base", default="HEAD", metavar="REV", help="commit to compare with (default: HEAD)"
+    )
+    parser.add_argument(
+        "--base-program", type=Path, metavar="FILE", help="its program, if it is built already"
+    )
+    parser.add_argument(
+        "--tiers",
+        type=tiers,
+        default=list(TIERS),
+        metavar="T,T",
+        help="some of counters, instructions, time (default: all)",
+    )
+    parser.add_argument(
+        "--blocks",
+        type=block_count,
+        default=BLOCKS,
+        metavar="N",
+        help=f"the most blocks per side, for cases that look slower after {SCREENING} (default: {BLOCKS})",
+    )
+    parser.add_argument(
+        "--case",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only cases whose names begin with this; may be repeated",
+    )
+    parser.add_argument(
+        "--update",
+        metavar="REASON",
+        help="write the baseline of counters (small scenes included) and instructions, with the reason; "
+        "measure no times",
+    )
+    parser.add_argument(
+        "--record",
+        type=Path,
+        default=ROOT / "results" / "tracking.json",
+        metavar="FILE",
+        help="file for all measurements (default: results/tracking.json)",
+    )
     program = os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench")
     parser.add_argument("--program", type=Path, default=Path(program), help=argparse.SUPPRESS)
     parser.add_argument("--baseline", type=Path, default=counted.BASELINE, help=argparse.SUPPRESS)
@@ -262,7 +368,11 @@ def main(words: Sequence[str]) -> int:
     if given.update is not None:
         return 0
     verdict, seconds = whole(list(report.verdicts.values())), time.monotonic() - begun
-    report.record |= {"verdict": verdict.words, "when": datetime.now(timezone.utc).isoformat(timespec="seconds"), "seconds": round(seconds, 1)}
+    report.record |= {
+        "verdict": verdict.words,
+        "when": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "seconds": round(seconds, 1),
+    }
     try:
         given.record.parent.mkdir(parents=True, exist_ok=True)
         given.record.write_text(json.dumps(report.record, indent=1) + "\n")

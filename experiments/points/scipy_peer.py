@@ -1,8 +1,10 @@
-"""SciPy as a peer (solver `external`): the directed distance of the points of two OFF files, and the time it took.
+"""SciPy as a peer (solver `external`): the directed distance of the points of two OFF files, and
+the time it took.
 
     scipy_peer.py cKDTree|directed_hausdorff A.off B.off
 
-The time is that of building and asking once, as everybody else is timed, without starting Python and reading files.
+The time is that of building and asking once, as everybody else is timed, without starting Python
+and reading files.
 """
 
 from __future__ import annotations
@@ -37,7 +39,10 @@ def by_early_break(a: Points, b: Points) -> float:
     return float(directed_hausdorff(a, b)[0])
 
 
-METHODS: dict[str, Callable[[Points, Points], float]] = {"cKDTree": by_tree, "directed_hausdorff": by_early_break}
+METHODS: dict[str, Callable[[Points, Points], float]] = {
+    "cKDTree": by_tree,
+    "directed_hausdorff": by_early_break,
+}
 
 
 def main() -> None:

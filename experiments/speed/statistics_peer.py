@@ -1,13 +1,16 @@
-"""MeshLab and CloudCompare as peers (solver `external`): the mean distance of A to B from samples of A, and the time it took.
+"""MeshLab and CloudCompare as peers (solver `external`): the mean distance of A to B from samples
+of A, and the time it took.
 
     statistics_peer.py MeshLab|CloudCompare A.off B.off SAMPLES
 
-Runs the program on one core. The time excludes starting the program and reading files. For MeshLab, it is the time of a run minus the median of
-three runs that only start and read. For CloudCompare, it is the time that the program prints, which also excludes sampling. Both programs compute
-with floats. Coordinates are scaled, because MeshLab prints only six digits after the point.
+Runs the program on one core. The time excludes starting the program and reading files. For MeshLab,
+it is the time of a run minus the median of three runs that only start and read. For CloudCompare,
+it is the time that the program prints, which also excludes sampling. Both programs compute with
+floats. Coordinates are scaled, because MeshLab prints only six digits after the point.
 
-MeshLab takes the same samples in every run. CloudCompare does not, so this script makes its samples. CloudCompare prints the mean of the signed
-distances, so the unsigned mean is computed from the distances that it saves.
+MeshLab takes the same samples in every run. CloudCompare does not, so this script makes its
+samples. CloudCompare prints the mean of the signed distances, so the unsigned mean is computed from
+the distances that it saves.
 """
 
 from __future__ import annotations
@@ -78,7 +81,7 @@ def read(file: Path) -> Mesh:
         raise SystemExit(f"{file}: not an OFF file as hausbench writes it")
     vertices, faces = map(int, counts.split()[:2])
     lines = rows.split("\n")
-    triangles = np.loadtxt(lines[vertices:vertices + faces], dtype=np.int64, ndmin=2)
+    triangles = np.loadtxt(lines[vertices : vertices + faces], dtype=np.int64, ndmin=2)
     return Mesh(np.loadtxt(lines[:vertices], ndmin=2), triangles[:, 1:])
 
 
@@ -95,7 +98,9 @@ def run(folder: Path, *command: str) -> tuple[str, float]:
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     seconds = time.perf_counter() - begin
     if done.returncode != 0:
-        raise SystemExit(f"{command[0]} ended with {done.returncode}: {(done.stdout + done.stderr)[-300:]}")
+        raise SystemExit(
+            f"{command[0]} ended with {done.returncode}: {(done.stdout + done.stderr)[-300:]}"
+        )
     return done.stdout + done.stderr, seconds
 
 
@@ -107,7 +112,9 @@ def number(text: str, pattern: str) -> float:
 
 
 def meshlab(folder: Path, _: Mesh, samples: int) -> Answer:
-    (folder / "measure.mlx").write_text(SCRIPT.format(samples=samples, most=10 * SIZE), encoding="ascii")
+    (folder / "measure.mlx").write_text(
+        SCRIPT.format(samples=samples, most=10 * SIZE), encoding="ascii"
+    )
     (folder / "nothing.mlx").write_text(NOTHING, encoding="ascii")
     start = ["xvfb-run", "-a", "meshlabserver", "-i", "A.off", "B.off", "-s"]  # it needs a display
     idle = statistics.median(run(folder, *start, "nothing.mlx")[1] for _ in range(3))
@@ -118,13 +125,36 @@ def meshlab(folder: Path, _: Mesh, samples: int) -> Answer:
 def cloudcompare(folder: Path, a: Mesh, samples: int) -> Answer:
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     np.savetxt(folder / "samples.asc", a.sampled(samples), fmt="%.9g")
-    text, _ = run(folder, "CloudCompare", "-SILENT", "-AUTO_SAVE", "OFF", "-NO_TIMESTAMP", "-C_EXPORT_FMT", "ASC", "-PREC", "9", "-O", "samples.asc",
-                  "-O", "B.off", "-C2M_DIST", "-SAVE_CLOUDS", "FILE", "distances.asc")
-    seconds = number(text, r"\[computeApproxDistances\] Time: (\S+) s") + number(text, r"\[ComputeDistances\] Time: (\S+) s")
+    text, _ = run(
+        folder,
+        "CloudCompare",
+        "-SILENT",
+        "-AUTO_SAVE",
+        "OFF",
+        "-NO_TIMESTAMP",
+        "-C_EXPORT_FMT",
+        "ASC",
+        "-PREC",
+        "9",
+        "-O",
+        "samples.asc",
+        "-O",
+        "B.off",
+        "-C2M_DIST",
+        "-SAVE_CLOUDS",
+        "FILE",
+        "distances.asc",
+    )
+    seconds = number(text, r"\[computeApproxDistances\] Time: (\S+) s") + number(
+        text, r"\[ComputeDistances\] Time: (\S+) s"
+    )
     return Answer(float(np.abs(np.loadtxt(folder / "distances.asc", usecols=-1)).mean()), seconds)
 
 
-PROGRAMS: dict[str, Callable[[Path, Mesh, int], Answer]] = {"MeshLab": meshlab, "CloudCompare": cloudcompare}
+PROGRAMS: dict[str, Callable[[Path, Mesh, int], Answer]] = {
+    "MeshLab": meshlab,
+    "CloudCompare": cloudcompare,
+}
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 #include "harness/check/verify_fields.h"
 
 #include "algorithms/kernel/watched.h"
-#include "harness/check/verify_exact.h"
 #include "harness/ask/fields.h"
+#include "harness/check/verify_exact.h"
 
 #include <fmt/format.h>
 

@@ -3,9 +3,9 @@
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "harness/commands/row_choice.h"
+#include "harness/record/estimates.h"
 #include "harness/record/profiles.h"
 #include "harness/record/row_times.h"
-#include "harness/record/estimates.h"
 #include "harness/result/provenance.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 // inside one process are not independent.
 #pragma once
 
-#include "harness/record/row.h"
 #include "harness/record/estimates.h"
+#include "harness/record/row.h"
 
 #include <map>
 #include <string>

@@ -4,8 +4,8 @@
     >>> hausbench.directed([[0, 0, 3]], [[0, 0, 0], [1, 0, 0]]).interval.contains(3)
     True
 
-h(A,B) is the largest distance of a point of A to B, and H(A,B) the larger of h(A,B) and h(B,A). Every answer is an Interval that
-contains the exact value, rounding errors included.
+h(A,B) is the largest distance of a point of A to B, and H(A,B) the larger of h(A,B) and h(B,A).
+Every answer is an Interval that contains the exact value, rounding errors included.
 
 directed, symmetric    bound h(A,B) and H(A,B)
 within                 is h(A,B) at most a length?
@@ -14,8 +14,8 @@ prepare                many questions about one target, moving sources
 certify, verify        write and check a proof
 read, Shape            shapes from files and arrays
 
-hausbench.calls describes the arguments, hausbench.Distribution what `distribution` returns. hausbench.compat has the calls of other
-packages, and hausbench.Results reads result files.
+hausbench.calls describes the arguments, hausbench.Distribution what `distribution` returns.
+hausbench.compat has the calls of other packages, and hausbench.Results reads result files.
 """
 
 from __future__ import annotations
@@ -36,9 +36,31 @@ if TYPE_CHECKING:
     from hausbench.results import Results
 
 __version__ = version()
-__all__ = ["Answer", "Distribution", "Field", "InputError", "Interval", "Prepared", "Results", "Shape", "Undecided", "Verdict",
-           "Witness", "certify", "compat", "directed", "distribution", "field", "prepare", "read", "solvers", "symmetric",
-           "verify", "version", "within"]
+__all__ = [
+    "Answer",
+    "Distribution",
+    "Field",
+    "InputError",
+    "Interval",
+    "Prepared",
+    "Results",
+    "Shape",
+    "Undecided",
+    "Verdict",
+    "Witness",
+    "certify",
+    "compat",
+    "directed",
+    "distribution",
+    "field",
+    "prepare",
+    "read",
+    "solvers",
+    "symmetric",
+    "verify",
+    "version",
+    "within",
+]
 
 
 def __getattr__(name: str) -> object:

@@ -17,12 +17,13 @@ STATUSES = ("converged", "within", "above", "time_limit", "cancelled", "precisio
 
 
 class Witness(NamedTuple):
-    """The pair of points that attains the lower bound, up to rounding: source_point on A and target_point on B, moved by their
-    poses.
+    """The pair of points that attains the lower bound, up to rounding: source_point on A and
+    target_point on B, moved by their poses.
 
-    `direction` is "source_to_target" if source_point is the point of A farthest from B, and target_point is nearest to it;
-    "target_to_source", which only the symmetric distance has, if target_point is the point of B farthest from A, and
-    source_point is nearest to it. The rows are the triangle or point that each lies on.
+    `direction` is "source_to_target" if source_point is the point of A farthest from B, and
+    target_point is nearest to it; "target_to_source", which only the symmetric distance has, if
+    target_point is the point of B farthest from A, and source_point is nearest to it. The rows are
+    the triangle or point that each lies on.
     """
 
     source_point: tuple[float, float, float]
@@ -55,7 +56,7 @@ class Answer:
 
     @property
     def quantity(self) -> str:
-        """"h(A,B)" or "H(A,B)"."""
+        """ "h(A,B)" or "H(A,B)"."""
         return self._quantity
 
     @property
@@ -68,7 +69,9 @@ class Answer:
         raw = self._raw
         if raw[4][0] != raw[4][0]:
             return None
-        return Witness(raw[4], raw[5], raw[6], raw[7], "target_to_source" if raw[3] else "source_to_target")
+        return Witness(
+            raw[4], raw[5], raw[6], raw[7], "target_to_source" if raw[3] else "source_to_target"
+        )
 
     @property
     def prepare_seconds(self) -> float:

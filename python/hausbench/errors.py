@@ -4,7 +4,8 @@ from __future__ import annotations
 
 
 class InputError(ValueError):
-    """An argument, array or file is wrong. The text is one line: its name, the place, and what to do.
+    """An argument, array or file is wrong. The text is one line: its name, the place, and what to
+    do.
 
     `row` is the wrong row of the array, from 0, or None.
     """
@@ -20,5 +21,6 @@ class InputError(ValueError):
         return InputError(f"{name}: {self}", self.row)
 
     def without(self, prefix: str, remedy: str, other: str) -> InputError:
-        """Returns the same error in words of this package: without a prefix, and with another remedy."""
+        """Returns the same error in words of this package: without a prefix, and with another
+        remedy."""
         return InputError(str(self).removeprefix(prefix).replace(remedy, other), self.row)

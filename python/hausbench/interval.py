@@ -1,4 +1,5 @@
-"""Intervals, which every bound of this package is, and the exception for those that do not decide a question."""
+"""Intervals, which every bound of this package is, and the exception for those that do not decide a
+question."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ Number = Union["Interval", float]
 
 
 class Undecided(Exception):
-    """An interval contains both answers to a yes/no question. `interval` holds, and says how much is known.
+    """An interval contains both answers to a yes/no question. `interval` holds, and says how much
+    is known.
 
     The text says what may decide: a finer tolerance, more time, or another length.
     """
@@ -27,18 +29,22 @@ def _outward(value: float, digits: int, up: bool) -> str:
 
     if value == 0 or value - value != 0:  # infinite or NaN
         return f"{value:g}"
-    rounded = Context(prec=digits, rounding=ROUND_CEILING if up else ROUND_FLOOR).plus(Decimal(value))
+    rounded = Context(prec=digits, rounding=ROUND_CEILING if up else ROUND_FLOOR).plus(
+        Decimal(value)
+    )
     if not -5 <= rounded.adjusted() < 16:
         return f"{rounded.normalize():e}"
     return f"{rounded.normalize():f}"
 
 
 class Interval:
-    """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or a share from 0 to 1.
+    """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or
+    a share from 0 to 1.
 
-    Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if none is, and raises
-    Undecided otherwise. float(interval) is an error: to report one number, report `upper`. Two intervals are
-    equal (`==`) if both of their ends are equal. Printing rounds outward, so that the printed interval holds; repr() is exact.
+    Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if
+    none is, and raises Undecided otherwise. float(interval) is an error: to report one number,
+    report `upper`. Two intervals are equal (`==`) if both of their ends are equal. Printing rounds
+    outward, so that the printed interval holds; repr() is exact.
     """
 
     __slots__ = ("_lower", "_upper")
@@ -47,7 +53,9 @@ class Interval:
     _upper: float
 
     def __init__(self, lower: float, upper: float) -> None:
-        lower, upper = (float(end) if isinstance(end, float) else end for end in (lower, upper))  # not numpy's, whose repr() is another one
+        lower, upper = (
+            float(end) if isinstance(end, float) else end for end in (lower, upper)
+        )  # not numpy's, whose repr() is another one
         if not lower <= upper:
             raise ValueError(f"lower is {lower!r}, not at most upper, {upper!r}: exchange them")
         self._lower = lower
@@ -80,7 +88,9 @@ class Interval:
         if isinstance(other, Interval):
             return self._lower == other._lower and self._upper == other._upper
         if hasattr(type(other), "__float__"):
-            raise TypeError("an interval does not equal a number: ask interval.contains(number), or compare with < or >")
+            raise TypeError(
+                "an interval does not equal a number: ask interval.contains(number), or compare with < or >"
+            )
         return NotImplemented
 
     def __hash__(self) -> int:
@@ -92,7 +102,10 @@ class Interval:
     def _decide(self, sign: str, other: Number, yes: bool, no: bool) -> bool:
         if yes or no:
             return bool(yes)  # not numpy's
-        raise Undecided(f"{self} {sign} {other} is undecided: ask with a finer tolerance, or compare .lower or .upper", self)
+        raise Undecided(
+            f"{self} {sign} {other} is undecided: ask with a finer tolerance, or compare .lower or .upper",
+            self,
+        )
 
     def __lt__(self, other: Number) -> bool:
         lower, upper = _ends(other)
@@ -117,7 +130,9 @@ class Interval:
         """Formats with 9 significant digits, or with N for the format ".N" or ".Ng"."""
         digits = spec.removeprefix(".").removesuffix("g") if spec else "9"
         if not digits.isdecimal() or int(digits) < 1 or (spec and not spec.startswith(".")):
-            raise ValueError(f"an interval has no format {spec!r}: give the number of digits, as in '.3g'")
+            raise ValueError(
+                f"an interval has no format {spec!r}: give the number of digits, as in '.3g'"
+            )
         return f"[{_outward(self._lower, int(digits), False)}, {_outward(self._upper, int(digits), True)}]"
 
     def __repr__(self) -> str:
@@ -139,5 +154,6 @@ def _ends(value: Number) -> tuple[float, float]:
 
 
 def exact(value: Any) -> Any:
-    """Returns a scalar of numpy as one of Python, which compares numbers exactly; numpy would round its integers."""
+    """Returns a scalar of numpy as one of Python, which compares numbers exactly; numpy would round
+    its integers."""
     return value.item() if hasattr(value, "item") else value

@@ -31,5 +31,6 @@ def shape_of(thing: ShapeLike, name: str) -> Shape:
 
 
 def _is_marching_cubes(thing: tuple[object, ...]) -> bool:
-    """Returns whether this is (vertices, faces, normals, values), as of skimage.measure.marching_cubes."""
+    """Returns whether this is (vertices, faces, normals, values), as of
+    skimage.measure.marching_cubes."""
     return [getattr(array, "ndim", None) for array in thing] == [2, 2, 2, 1]

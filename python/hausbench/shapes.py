@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 class Shape:
     """A triangle mesh or a point set. It never changes; structures built over it are kept with it.
 
-    Shape(vertices, faces=None) copies the arrays: vertices (n, 3), in any unit of length, and faces (m, 3), rows of `vertices`
-    from 0. Without faces it is a point set. A line segment is a face (a, b, b). Raises InputError.
+    Shape(vertices, faces=None) copies the arrays: vertices (n, 3), in any unit of length, and faces
+    (m, 3), rows of `vertices` from 0. Without faces it is a point set. A line segment is a face (a,
+    b, b). Raises InputError.
 
-    `read` returns a Shape that also has the unit and axes that its file states, and notes; a copy, also by pickle, keeps them.
+    `read` returns a Shape that also has the unit and axes that its file states, and notes; a copy,
+    also by pickle, keeps them.
     """
 
     __slots__ = ("_shape", "_notes", "__weakref__")
@@ -30,13 +32,23 @@ class Shape:
     def __init__(self, vertices: npt.ArrayLike, faces: npt.ArrayLike | None = None) -> None:
         self._fill(vertices, faces, None)
 
-    def _fill(self, vertices: object, faces: object, stated: _core._Stated | None, notes: tuple[str, ...] = ()) -> None:
+    def _fill(
+        self,
+        vertices: object,
+        faces: object,
+        stated: _core._Stated | None,
+        notes: tuple[str, ...] = (),
+    ) -> None:
         points = _converted(vertices, "vertices")
-        self._shape = _core.Shape(points, None if faces is None else _converted(faces, "faces"), stated)
+        self._shape = _core.Shape(
+            points, None if faces is None else _converted(faces, "faces"), stated
+        )
         self._notes = notes
 
     @classmethod
-    def _made(cls, vertices: object, faces: object, stated: _core._Stated, notes: tuple[str, ...] = ()) -> Shape:
+    def _made(
+        cls, vertices: object, faces: object, stated: _core._Stated, notes: tuple[str, ...] = ()
+    ) -> Shape:
         """Returns a Shape that states what is known about its arrays."""
         shape = cls.__new__(cls)
         shape._fill(vertices, faces, stated, notes)
@@ -69,27 +81,32 @@ class Shape:
 
     @property
     def unit(self) -> float | None:
-        """The unit of length that the file states or its format defines, in metres; None if there is none."""
+        """The unit of length that the file states or its format defines, in metres; None if there
+        is none."""
         return self._stated[4] or None
 
     @property
     def up(self) -> str | None:
-        """The axis that points up as the file states or its format defines: "X", "Y" or "Z"; None if it is not stated."""
+        """The axis that points up as the file states or its format defines: "X", "Y" or "Z"; None
+        if it is not stated."""
         return self._stated[5] or None
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What else you should know about the file that was read, such as parts that were left out: one line each."""
+        """What else you should know about the file that was read, such as parts that were left out:
+        one line each."""
         return self._notes
 
     @property
     def segment_count(self) -> int:
-        """The number of line segments that were read. They are among the triangles, as (a, b, b)."""
+        """The number of line segments that were read. They are among the triangles, as (a, b,
+        b)."""
         return self._stated[0]
 
     @property
     def single_point_count(self) -> int:
-        """The number of single points of a mesh that were read. They are among the triangles, as (a, a, a)."""
+        """The number of single points of a mesh that were read. They are among the triangles, as
+        (a, a, a)."""
         return self._stated[1]
 
     @property
@@ -118,7 +135,11 @@ class Shape:
 
     def __repr__(self) -> str:
         is_mesh, vertices, faces = self._shape.describe()[:3]
-        return f"<hausbench.Shape: {faces} triangles, {vertices} vertices>" if is_mesh else f"<hausbench.Shape: {vertices} points>"
+        return (
+            f"<hausbench.Shape: {faces} triangles, {vertices} vertices>"
+            if is_mesh
+            else f"<hausbench.Shape: {vertices} points>"
+        )
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         return Shape._made, (self.vertices, self.faces, self._stated, self._notes)
@@ -132,15 +153,24 @@ def _converted(values: object, name: str) -> object:
     return arrays.faces(values) if name == "faces" else arrays.vertices(values)
 
 
-def read(path: str | os.PathLike[str], *, format: str | None = None, columns: str | None = None, drop_invalid: bool = False,
-         unit: str | None = None, up: str | None = None) -> Shape:
-    """Reads a mesh or points from a file, gzipped or not. docs/formats.md lists the formats; those of the program alone raise
-    InputError, as a part of a format does that is not supported. A file without faces becomes a point set.
+def read(
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    columns: str | None = None,
+    drop_invalid: bool = False,
+    unit: str | None = None,
+    up: str | None = None,
+) -> Shape:
+    """Reads a mesh or points from a file, gzipped or not. docs/formats.md lists the formats; those
+    of the program alone raise InputError, as a part of a format does that is not supported. A file
+    without faces becomes a point set.
 
-    The coordinates are the numbers that the file defines. Polygons are split into triangles, line segments of a mesh become
-    triangles (a, b, b), vertices that no face uses are dropped, and equal corners of formats that repeat them are merged. So a
-    field or a witness counts the rows of the Shape, not of the file. `notes` of the Shape says what was left out. Raises
-    InputError, with the line of the file if it has lines.
+    The coordinates are the numbers that the file defines. Polygons are split into triangles, line
+    segments of a mesh become triangles (a, b, b), vertices that no face uses are dropped, and equal
+    corners of formats that repeat them are merged. So a field or a witness counts the rows of the
+    Shape, not of the file. `notes` of the Shape says what was left out. Raises InputError, with the
+    line of the file if it has lines.
 
     format        "obj", ...: the format; None: the ending of the file counts
     columns       the columns of x, y and z in a text file of points: "2,3,4", or their names; None: by the header
@@ -150,11 +180,17 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, columns: st
     up            "X", "Y", "Z": turns the shape so that this axis points up; a file that states no axes counts as having these.
                   "none": forgets the file's axes. None: the numbers count
 
-    Two shapes that state different units or axes are not compared: read both with the same `unit` and `up`.
+    Two shapes that state different units or axes are not compared: read both with the same `unit`
+    and `up`.
     """
-    texts = [_text(value, name) for name, value in (("format", format), ("columns", columns), ("unit", unit), ("up", up))]
+    texts = [
+        _text(value, name)
+        for name, value in (("format", format), ("columns", columns), ("unit", unit), ("up", up))
+    ]
     shape = Shape.__new__(Shape)
-    shape._shape = _core.read(path_of(path), texts[0], texts[1], flag(drop_invalid, "drop_invalid"), texts[2], texts[3])
+    shape._shape = _core.read(
+        path_of(path), texts[0], texts[1], flag(drop_invalid, "drop_invalid"), texts[2], texts[3]
+    )
     shape._notes = shape._shape.notes()
     return shape
 
@@ -171,4 +207,6 @@ def path_of(path: str | os.PathLike[str]) -> bytes:
     try:
         return os.fsencode(path)
     except TypeError:
-        raise InputError(f"path: a {type(path).__name__} is not a path: give a str or os.PathLike") from None
+        raise InputError(
+            f"path: a {type(path).__name__} is not a path: give a str or os.PathLike"
+        ) from None

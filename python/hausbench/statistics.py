@@ -20,7 +20,11 @@ OVER = ("source", "target", "larger", "mean_of_both", "harmonic_mean", "pooled")
 
 def _listed(values: object) -> list[object]:
     """Returns the values of an iterable, or the one value that was given."""
-    if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) and getattr(values, "ndim", 1) > 0:
+    if (
+        isinstance(values, Iterable)
+        and not isinstance(values, (str, bytes))
+        and getattr(values, "ndim", 1) > 0
+    ):
         return list(values)
     return [values]
 
@@ -28,7 +32,9 @@ def _listed(values: object) -> list[object]:
 def _quantile(level: object) -> str:
     value = number(level, "quantiles")
     if not 0 < value <= 1:
-        raise InputError(f"quantiles: the level {level!r} is not above 0 and at most 1: the 95 % quantile has the level 0.95")
+        raise InputError(
+            f"quantiles: the level {level!r} is not above 0 and at most 1: the 95 % quantile has the level 0.95"
+        )
     return f"quantile {value!r}"
 
 
@@ -40,17 +46,28 @@ def _share(length: object) -> str:
 
 
 class Distribution:
-    """Bounds of statistics, made by `hausbench.distribution`. What was not listed there is computed on first use and kept."""
+    """Bounds of statistics, made by `hausbench.distribution`. What was not listed there is computed
+    on first use and kept."""
 
-    def __init__(self, pair: Pair, query: Query, over: str, statistics: object, quantiles: object, within: object,
-                 progress: Callable[[dict[str, Interval]], object] | None = None) -> None:
+    def __init__(
+        self,
+        pair: Pair,
+        query: Query,
+        over: str,
+        statistics: object,
+        quantiles: object,
+        within: object,
+        progress: Callable[[dict[str, Interval]], object] | None = None,
+    ) -> None:
         if over not in OVER:
             raise InputError(f"over: {over!r} is not one of {', '.join(OVER)}")
         others = [*map(_quantile, _listed(quantiles)), *map(_share, _listed(within))]
         names = _listed(statistics) if statistics is not None else [] if others else ["mean", "rms"]
         for name in names:
             if name not in NAMES:
-                raise InputError(f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within")
+                raise InputError(
+                    f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within"
+                )
         self._pair, self._query, self._progress = pair, query, progress
         self._over = "" if over == "source" else f" {over}"
         self._known: dict[str, Interval] = {}
@@ -62,9 +79,13 @@ class Distribution:
         if not names:
             return
         asked = [name + self._over for name in names]
-        bounds, answer = self._pair.distribution(asked, self._query, progress_of(self._progress, names))
+        bounds, answer = self._pair.distribution(
+            asked, self._query, progress_of(self._progress, names)
+        )
         self._status = STATUSES[answer[0]]
-        self._known.update((name, Interval(lower, upper)) for name, (lower, upper) in zip(names, bounds))
+        self._known.update(
+            (name, Interval(lower, upper)) for name, (lower, upper) in zip(names, bounds)
+        )
 
     def _get(self, name: str) -> Interval:
         if name not in self._known:
@@ -102,7 +123,8 @@ class Distribution:
         return self._get("median")
 
     def quantile(self, level: float) -> Interval:
-        """Returns the least length t such that a share of at least `level` (above 0, at most 1) is at most t away."""
+        """Returns the least length t such that a share of at least `level` (above 0, at most 1) is
+        at most t away."""
         return self._get(_quantile(level))
 
     def share_within(self, length: float) -> Interval:

@@ -1,4 +1,5 @@
-"""Makes `analysis` and tests/analysis/synthetic.py importable from any working directory, and holds shared fixtures."""
+"""Makes `analysis` and tests/analysis/synthetic.py importable from any working directory, and holds
+shared fixtures."""
 
 import sys
 from pathlib import Path

@@ -30,9 +30,15 @@ def test_each_part_has_its_table_and_no_row_is_lost() -> None:
 def test_a_claim_is_judged_by_the_worse_end_on_every_scene() -> None:
     _, rows = read(CSV.splitlines(keepends=True))
     assert verdict(rows, "x", "build", "Embree", 1.5, True) == "- x: holds (ratios 1.70 to 1.70)"
-    assert verdict(rows, "x", "build", "Embree", 1.65, True) == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    assert (
+        verdict(rows, "x", "build", "Embree", 1.65, True)
+        == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    )
     assert verdict(rows, "x", "build", "Embree", 1.85, False) == "- x: holds (ratios 1.70 to 1.70)"
-    assert verdict(rows, "x", "build", "Embree", 1.75, False) == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    assert (
+        verdict(rows, "x", "build", "Embree", 1.75, False)
+        == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    )
     assert verdict(rows, "x", "certification", "guthe", 1.2, False) == "- x: not measured"
 
 

@@ -1,4 +1,5 @@
-"""Compares statistics with values computed by hand from the binomial distribution, and with those of the program."""
+"""Compares statistics with values computed by hand from the binomial distribution, and with those
+of the program."""
 
 import json
 import math
@@ -27,8 +28,10 @@ from analysis.shared.estimates import (
 )
 
 
-@pytest.mark.parametrize(("n", "rank"), [(1, 0), (5, 0), (6, 1), (8, 1), (9, 2), (11, 2), (12, 3), (15, 4), (20, 6),
-                                         (25, 8)])
+@pytest.mark.parametrize(
+    ("n", "rank"),
+    [(1, 0), (5, 0), (6, 1), (8, 1), (9, 2), (11, 2), (12, 3), (15, 4), (20, 6), (25, 8)],
+)
 def test_ranks_are_those_of_published_tables(n: int, rank: int) -> None:
     assert order_statistic_rank(n, 0.95) == rank
 
@@ -57,12 +60,21 @@ def test_the_program_gives_the_same_intervals(tmp_path: Path) -> None:
     for n in range(2, 61):
         file.case("naive", f"{n} times", list(rng.exponential(size=n)), lower=0.5, upper=0.5)
     path = file.write(tmp_path)
-    done = subprocess.run([schema.program(), "show", "--json", path], cwd=schema.ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [schema.program(), "show", "--json", path],
+        cwd=schema.ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     rows, results = json.loads(done.stdout)["rows"], load(path)
     assert len(rows) == 59
     for case, row in enumerate(rows):
         ours = median(list(results.solve_by_round(case).values()))
-        assert [row[name] for name in ("solve_seconds", "solve_seconds_low", "solve_seconds_high", "times")] == [ours.value, ours.low, ours.high, ours.n]
+        assert [
+            row[name]
+            for name in ("solve_seconds", "solve_seconds_low", "solve_seconds_high", "times")
+        ] == [ours.value, ours.low, ours.high, ours.n]
         assert row["confidence"] == pytest.approx(ours.coverage, abs=1e-12)
 
 
@@ -91,7 +103,8 @@ def test_infinite_outliers_do_not_move_the_median() -> None:
 
 
 def test_ratio_of_separate_times() -> None:
-    # Each side gets 97.5 %, so 1.25 % per tail. For n = 9, rank 2 has a tail of P(Binomial(9, 1/2) <= 1) = 10/512 >
+    # Each side gets 97.5 %, so 1.25 % per tail. For n = 9, rank 2 has a tail of P(Binomial(9, 1/2)
+    # <= 1) = 10/512 >
     # 1.25 %; hence rank 1.
     assert order_statistic_rank(9, 0.975) == 1
     x = ratio_of_medians(range(11, 20), range(1, 10))
@@ -101,7 +114,9 @@ def test_ratio_of_separate_times() -> None:
 
 
 def test_ratio_that_is_not_separated() -> None:
-    x = ratio_of_medians([1.0, 1.1, 1.2, 0.9, 1.05, 1.0, 1.0], [1.0, 1.05, 0.95, 1.1, 1.0, 1.2, 0.9])
+    x = ratio_of_medians(
+        [1.0, 1.1, 1.2, 0.9, 1.05, 1.0, 1.0], [1.0, 1.05, 0.95, 1.1, 1.0, 1.2, 0.9]
+    )
     assert x.low <= 1 <= x.high and not x.separated
 
 
@@ -135,31 +150,48 @@ def test_separated_takes_six_rounds() -> None:
         assert x.value == 2 and x.separated == (n >= 6), n
         # Separate times need seven rounds, because each side gets half of the allowed error.
         assert ratio_of_medians([2.0] * n, [1.0] * n).separated == (n >= 7), n
-    assert not Estimate(2.0, 1.5, 2.5, 5, 0.94).separated and Estimate(2.0, 1.5, 2.5, 5, 0.95).separated
+    assert (
+        not Estimate(2.0, 1.5, 2.5, 5, 0.94).separated
+        and Estimate(2.0, 1.5, 2.5, 5, 0.95).separated
+    )
 
 
 @pytest.mark.parametrize("n", range(2, 13))
 def test_equal_distributions_are_seldom_separated(n: int) -> None:
-    """At most 5 % of 400 trials, plus chance. Without the check of coverage, it would be a half at n = 2 and a quarter at n = 3."""
+    """At most 5 % of 400 trials, plus chance. Without the check of coverage, it would be a half at
+    n = 2 and a quarter at n = 3."""
     rng = np.random.default_rng(n)
-    found = [(paired_ratio(a, b).separated, ratio_of_medians(a, b).separated)
-             for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))]
+    found = [
+        (paired_ratio(a, b).separated, ratio_of_medians(a, b).separated)
+        for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))
+    ]
     assert sum(x for x, _ in found) <= 30 and sum(x for _, x in found) <= 30
     if n in (6, 9):  # the test would also pass if nothing were ever separated
-        assert sum(paired_ratio(a, b).separated for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))) > 2
+        assert (
+            sum(
+                paired_ratio(a, b).separated
+                for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))
+            )
+            > 2
+        )
 
 
 @pytest.mark.parametrize("rounds", [6, 8, 10, 12])
 def test_intervals_cover_where_processes_differ(rounds: int) -> None:
-    """Processes differ by 1 %, repeats in one by 0.3 %. With a value per process (round), the interval covers the median;
-    with one per repeat, it misses far too often.
+    """Processes differ by 1 %, repeats in one by 0.3 %. With a value per process (round), the
+    interval covers the median; with one per repeat, it misses far too often.
     """
     rng, repeats, trials = np.random.default_rng(rounds), 5, 600
     covered = {"rounds": 0, "repeats": 0}
     for _ in range(trials):
-        times = np.exp(0.01 * rng.standard_normal((rounds, 1)) + 0.003 * rng.standard_normal((rounds, repeats)))
+        times = np.exp(
+            0.01 * rng.standard_normal((rounds, 1)) + 0.003 * rng.standard_normal((rounds, repeats))
+        )
         numbers = np.repeat(np.arange(rounds), repeats)
-        for unit, values in (("rounds", list(by_round(numbers, times.ravel()).values())), ("repeats", times.ravel())):
+        for unit, values in (
+            ("rounds", list(by_round(numbers, times.ravel()).values())),
+            ("repeats", times.ravel()),
+        ):
             x = median(np.asarray(values))
             covered[unit] += x.low <= 1 <= x.high
     assert covered["rounds"] >= 0.93 * trials and covered["repeats"] < 0.8 * trials
@@ -185,8 +217,12 @@ def test_counts_are_exact_but_for_seeds() -> None:
     seeds = {seed: 10.0 + seed for seed in range(6)}
     y = ratio_of_counts({0: 60.0}, seeds, (False, True))
     assert y.n == 6 and (y.low, y.high) == pytest.approx((4.0, 6.0)) and y.separated
-    assert ratio_of_counts(seeds, {0: 60.0}, (True, False)).value == pytest.approx(1 / y.value, rel=1e-2)
-    assert ratio_of_counts({s: 2 * x for s, x in seeds.items()}, seeds, (True, True)).low == pytest.approx(2)
+    assert ratio_of_counts(seeds, {0: 60.0}, (True, False)).value == pytest.approx(
+        1 / y.value, rel=1e-2
+    )
+    assert ratio_of_counts(
+        {s: 2 * x for s, x in seeds.items()}, seeds, (True, True)
+    ).low == pytest.approx(2)
     assert ratio_of_counts({0: 1.0}, {0: 0.0}).n == 0 and ratio_of_counts({}, seeds).n == 0
 
 

@@ -17,20 +17,35 @@ from analysis.shared.results import ResultError, Results
 
 
 def test_columns_follow_from_the_program() -> None:
-    """analysis/shared/columns.py, the tables of results/README.md and docs/experiments.md, and these tests' generator list the program's columns."""
+    """analysis/shared/columns.py, the tables of results/README.md and docs/experiments.md, and
+    these tests' generator list the program's columns."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
-    assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
+    assert schema.MODULE.read_text(encoding="utf-8") == schema.module(
+        groups
+    ), "run python3 -m analysis.schema"
     text = schema.README.read_text(encoding="utf-8")
     assert text == schema.readme(text, groups), "run python3 -m analysis.schema"
     page = schema.EXPERIMENTS.read_text(encoding="utf-8")
-    assert page == schema.experiments(page, schema.listed("keys", "--json")), "run python3 -m analysis.schema"
-    written = {"models": synthetic.MODEL, "cases": synthetic.CASE, "answers": synthetic.ANSWER, "repeats": synthetic.REPEAT,
-               "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "fields": synthetic.FIELD, "ledger": synthetic.LEDGER}
+    assert page == schema.experiments(
+        page, schema.listed("keys", "--json")
+    ), "run python3 -m analysis.schema"
+    written = {
+        "models": synthetic.MODEL,
+        "cases": synthetic.CASE,
+        "answers": synthetic.ANSWER,
+        "repeats": synthetic.REPEAT,
+        "preparation": synthetic.PREPARATION,
+        "trace": synthetic.TRACE,
+        "fields": synthetic.FIELD,
+        "ledger": synthetic.LEDGER,
+    }
     for group, known in groups.items():
         names = {column["name"] for column in known}
-        assert {"counter_*" if name.startswith("counter_") else name for name in written[group]} == names, group
+        assert {
+            "counter_*" if name.startswith("counter_") else name for name in written[group]
+        } == names, group
 
 
 def test_titles_follow_from_the_program() -> None:
@@ -38,22 +53,58 @@ def test_titles_follow_from_the_program() -> None:
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     titles = {solver["name"]: solver["title"] for solver in schema.listed("--json")["solvers"]}
-    assert {name: title for name, title in titles.items() if name in style.LOOKS} == {name: look.title for name, look in style.LOOKS.items() if name in titles}
+    assert {name: title for name, title in titles.items() if name in style.LOOKS} == {
+        name: look.title for name, look in style.LOOKS.items() if name in titles
+    }
 
 
 @pytest.fixture()
 def small(tmp_path: Path) -> Results:
     file = ResultFile("small", meta={"dirty": 1})
-    file.case("naive", "x", [3.0, 1.0, 2.0], lower=1.0, upper=1.0, prepare_seconds=0.5, options={"seed": 3},
-              counters={"point_distances": 2**63 + 1})
-    file.case("cover", "x", [0.1], [(0.0, 0.0, np.inf), (0.1, 0.9, 1.25)], lower=0.9, upper=1.25, tolerance=0.1)
+    file.case(
+        "naive",
+        "x",
+        [3.0, 1.0, 2.0],
+        lower=1.0,
+        upper=1.0,
+        prepare_seconds=0.5,
+        options={"seed": 3},
+        counters={"point_distances": 2**63 + 1},
+    )
+    file.case(
+        "cover",
+        "x",
+        [0.1],
+        [(0.0, 0.0, np.inf), (0.1, 0.9, 1.25)],
+        lower=0.9,
+        upper=1.25,
+        tolerance=0.1,
+    )
     file.case("kang", "x", status="timeout", reason="zu spät")
     file.case("zheng", "x", status="unsound", lower=1.1, upper=1.1)
     file.case("tang", "y", [1.0], lower=0.5, upper=0.75)
-    file.case("sacht", "y", [1.0], lower=0.625, upper=1.0, status="timeout", reason="the bounds hold")
-    file.case("sacht", "y", [1.0], lower=5.0, upper=6.0, pose_index=1, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0])
+    file.case(
+        "sacht", "y", [1.0], lower=0.625, upper=1.0, status="timeout", reason="the bounds hold"
+    )
+    file.case(
+        "sacht",
+        "y",
+        [1.0],
+        lower=5.0,
+        upper=6.0,
+        pose_index=1,
+        pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0],
+    )
     file.case("adaptive", "z", status="failed")
-    file.ledger.append({"kind": "not_run", "subject": "naive y", "what": "case", "reason": "points only", "count": 2})
+    file.ledger.append(
+        {
+            "kind": "not_run",
+            "subject": "naive y",
+            "what": "case",
+            "reason": "points only",
+            "count": 2,
+        }
+    )
     return load.load(file.write(tmp_path))
 
 
@@ -72,13 +123,22 @@ def test_fields(tmp_path: Path) -> None:
     for scene in "xyz":
         file.case("guthe", scene, [1.0], lower=1.0, upper=1.0)
     file.field_values = [0.5, 0.25, 3.0, 1.0, np.inf]
-    for case, name, begin, end in ((0, "distance", 0, 2), (2, "distance", 2, 3), (2, "upper", 3, 5)):
+    for case, name, begin, end in (
+        (0, "distance", 0, 2),
+        (2, "distance", 2, 3),
+        (2, "upper", 3, 5),
+    ):
         file.fields.append({"case": case, "name": name, "begin": begin, "end": end})
     path = file.write(tmp_path)
     results = load.load(path)
-    assert {name: values.tolist() for name, values in results.fields_of(0).items()} == {"distance": [0.5, 0.25]}
+    assert {name: values.tolist() for name, values in results.fields_of(0).items()} == {
+        "distance": [0.5, 0.25]
+    }
     assert results.fields_of(1) == {}
-    assert {name: values.tolist() for name, values in results.fields_of(2).items()} == {"distance": [3.0], "upper": [1.0, np.inf]}
+    assert {name: values.tolist() for name, values in results.fields_of(2).items()} == {
+        "distance": [3.0],
+        "upper": [1.0, np.inf],
+    }
     with h5py.File(path, "r+") as older:
         del older["fields"]
     assert load.load(path).fields_of(0) == {}
@@ -91,11 +151,21 @@ def test_rows_and_order(small: Results) -> None:
 
 def test_each_round_gives_one_number(tmp_path: Path) -> None:
     file = ResultFile("rounds")  # CPU time is 0.9 of wall time
-    file.case("naive", "x", [1.0, 3.0, 2.0, 7.0, 9.0, 8.0], rounds=2, prepare=[0.5, 0.25], lower=1.0, upper=1.0)
+    file.case(
+        "naive",
+        "x",
+        [1.0, 3.0, 2.0, 7.0, 9.0, 8.0],
+        rounds=2,
+        prepare=[0.5, 0.25],
+        lower=1.0,
+        upper=1.0,
+    )
     file.case("naive", "y", [10.0, 30.0], rounds=1, clock="wall", lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
     assert results.solve_by_round(0) == pytest.approx({0: 1.8, 1: 7.2})
-    assert results.solve_by_round(0, "wall") == {0: 2.0, 1: 8.0} and results.wall_seconds(0).tolist() == [2.0, 8.0]
+    assert results.solve_by_round(0, "wall") == {0: 2.0, 1: 8.0} and results.wall_seconds(
+        0
+    ).tolist() == [2.0, 8.0]
     assert results.prepare_by_round(0) == {0: 0.5, 1: 0.25} and results.prepare_by_round(1) == {}
     assert results.total_by_round(0) == pytest.approx({0: 2.3, 1: 7.45})
     assert results.total_seconds(1).tolist() == [20.0]  # this row names the wall clock
@@ -108,8 +178,12 @@ def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> N
     file.answers[1]["cpu_seconds"] = 0.5  # one deviating round must not change the clock
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(2)] == ["wall", "cpu"]
-    assert results.first_by_round(0) == {0: 1.0, 1: 2.0} and results.first_by_round(1) == pytest.approx({0: 0.15, 1: 0.3})
-    assert "wall time for external, where" in notes.clock_note(results).replace(style.title("external"), "external")
+    assert results.first_by_round(0) == {0: 1.0, 1: 2.0} and results.first_by_round(
+        1
+    ) == pytest.approx({0: 0.15, 1: 0.3})
+    assert "wall time for external, where" in notes.clock_note(results).replace(
+        style.title("external"), "external"
+    )
     assert "used the CPU for less than 20 % of its wall time" in notes.clock_note(results)
 
 
@@ -120,7 +194,9 @@ def test_clock(tmp_path: Path) -> None:
         file.case("naive", "x", [1.0], clock=clock, lower=1.0, upper=1.0)
     file.repeats[3]["cpu_seconds"] = np.nan
     file.repeats = [row for row in file.repeats if row["case"] != 4]
-    file.answers = [row for row in file.answers if row["case"] != 4]  # like a row that was read off a trace
+    file.answers = [
+        row for row in file.answers if row["case"] != 4
+    ]  # like a row that was read off a trace
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(5)] == ["cpu", "wall", "wall", "wall", "wall"]
     assert [results.solve_by_round(case)[0] for case in range(5)] == [0.9, 1.0, 1.0, 1.0, 1.0]
@@ -129,18 +205,33 @@ def test_clock(tmp_path: Path) -> None:
 def test_structures_of_a_round_are_added(tmp_path: Path) -> None:
     file = ResultFile("parts")
     file.case("naive", "x", [1.0, 1.0], prepare_seconds=0.5, lower=1.0, upper=1.0)
-    file.preparation = [{"case": 0, "round": 1, "name": name, "seconds": 0.25} for name in ("tree", "grid", "order")]
+    file.preparation = [
+        {"case": 0, "round": 1, "name": name, "seconds": 0.25} for name in ("tree", "grid", "order")
+    ]
     results = load.load(file.write(tmp_path))
     # Round 0 has no preparation rows, so the median over the rounds, 0.5 s, is used.
     assert results.total_by_round(0, "wall") == {0: 1.5, 1: 1.75}
 
 
 def test_preparing_counts_with_the_first_answer_of_a_process(tmp_path: Path) -> None:
-    """A solver that builds structures during its first answer is faster afterwards, but a single query has to wait for them."""
+    """A solver that builds structures during its first answer is faster afterwards, but a single
+    query has to wait for them."""
     file = ResultFile("first", cpu=1.0)
-    file.case("scan", "x", [1.0, 2.0], rounds=2, prepare=[0.5, 0.25], first=[4.0, 8.0], lower=1.0, upper=1.0)
+    file.case(
+        "scan",
+        "x",
+        [1.0, 2.0],
+        rounds=2,
+        prepare=[0.5, 0.25],
+        first=[4.0, 8.0],
+        lower=1.0,
+        upper=1.0,
+    )
     results = load.load(file.write(tmp_path))
-    assert results.total_by_round(0) == {0: 4.5, 1: 8.25} and results.solve_by_round(0) == {0: 1.0, 1: 2.0}
+    assert results.total_by_round(0) == {0: 4.5, 1: 8.25} and results.solve_by_round(0) == {
+        0: 1.0,
+        1: 2.0,
+    }
 
 
 def test_without_repeats_the_first_answers_count(tmp_path: Path) -> None:
@@ -157,7 +248,10 @@ def test_trace(small: Results) -> None:
 
 
 def test_reference_is_the_tightest_of_all_rows_with_bounds(small: Results) -> None:
-    assert small.reference("x") == (1.0, 1.0)  # the timeout has no bounds, and the unsound row does not count
+    assert small.reference("x") == (
+        1.0,
+        1.0,
+    )  # the timeout has no bounds, and the unsound row does not count
     assert small.reference("y") == (0.625, 0.75)
     assert small.reference("y", 1) == (5.0, 6.0)
     assert np.isnan(small.reference("z")).all() and np.isnan(small.reference("nowhere")).all()
@@ -177,10 +271,29 @@ def test_a_reference_is_of_one_quantity_in_one_pose_of_both_shapes(tmp_path: Pat
     file = ResultFile("asked")
     file.case("guthe", "x", [1.0], lower=1.0, upper=2.0)
     file.case("guthe", "x", [1.0], lower=3.0, upper=4.0, quantity="symmetric")
-    file.case("guthe", "x", [1.0], lower=5.0, upper=6.0, target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0])
-    file.case("guthe", "x", [1.0], lower=1.5, upper=2.0, target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, -0.0, 0, 0])
+    file.case(
+        "guthe",
+        "x",
+        [1.0],
+        lower=5.0,
+        upper=6.0,
+        target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0],
+    )
+    file.case(
+        "guthe",
+        "x",
+        [1.0],
+        lower=1.5,
+        upper=2.0,
+        target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, -0.0, 0, 0],
+    )
     results = load.load(file.write(tmp_path))
-    assert [results.reference_of(case) for case in range(4)] == [(1.5, 2.0), (3.0, 4.0), (5.0, 6.0), (1.5, 2.0)]
+    assert [results.reference_of(case) for case in range(4)] == [
+        (1.5, 2.0),
+        (3.0, 4.0),
+        (5.0, 6.0),
+        (1.5, 2.0),
+    ]
 
 
 def test_error_and_gap(small: Results) -> None:
@@ -202,18 +315,27 @@ def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
     file = ResultFile("unchecked")
     file.case("guthe", "x", [1.0], lower=0.5, upper=0.6)
     file.case("cgal", "x", [1.0], lower=0.5, upper=0.6, lower_check="no witness")
-    file.case("external", "x", [1.0], label="peer", lower=0.5, upper=np.inf, lower_check="no witness")
+    file.case(
+        "external", "x", [1.0], label="peer", lower=0.5, upper=np.inf, lower_check="no witness"
+    )
     file.case("external", "x", label="gone", status="failed", lower_check="not checked")
     results = load.load(file.write(tmp_path))
     assert notes.unchecked_line(results) == "Lower bounds not checked (no witness): CGAL, peer"
-    assert notes.machine_line(results).endswith(". Lower bounds not checked (no witness): CGAL, peer")
-    assert notes.unchecked_line(results, [0, 2]) == "Lower bounds not checked (no witness): peer" and notes.unchecked_line(results, [0]) == ""
+    assert notes.machine_line(results).endswith(
+        ". Lower bounds not checked (no witness): CGAL, peer"
+    )
+    assert (
+        notes.unchecked_line(results, [0, 2]) == "Lower bounds not checked (no witness): peer"
+        and notes.unchecked_line(results, [0]) == ""
+    )
     assert notes.machine_line(results).startswith(notes.measured_on(results) + ". ")
     assert [results.check_of(case) for case in range(2)] == ["holds", "not checked (no witness)"]
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(ResultError, match=r"none\.h5: no such file: measure it with 'hausbench run none\.toml'"):
+    with pytest.raises(
+        ResultError, match=r"none\.h5: no such file: measure it with 'hausbench run none\.toml'"
+    ):
         load.load(tmp_path / "none.h5")
 
 
@@ -225,21 +347,64 @@ def test_newer_schema(tmp_path: Path) -> None:
 
 
 def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
-    """The file of an older program lacks first answers, clocks and preparation by round, so only wall times are available."""
+    """The file of an older program lacks first answers, clocks and preparation by round, so only
+    wall times are available."""
     file = ResultFile("older", meta={"schema_version": 1})
     file.case("naive", "x", [3.0], prepare_seconds=0.5, lower=1.0, upper=1.0, solve_seconds=4.0)
     path = file.write(tmp_path)
     with h5py.File(path, "a") as opened:
-        for name in ("answers", "cases/clock", "cases/facts", "cases/exact", "cases/quantity", "cases/target_pose",
-                     "cases/warm", "cases/chain", "cases/witness_direction", "cases/source_longest", "models/longest_side", "preparation/round", "models/box", "models/polynomial"):
+        for name in (
+            "answers",
+            "cases/clock",
+            "cases/facts",
+            "cases/exact",
+            "cases/quantity",
+            "cases/target_pose",
+            "cases/warm",
+            "cases/chain",
+            "cases/witness_direction",
+            "cases/source_longest",
+            "models/longest_side",
+            "preparation/round",
+            "models/box",
+            "models/polynomial",
+        ):
             del opened[name]
     results = load.load(path)
-    assert results.clock_of(0) == "wall" and results.solve_by_round(0) == {0: 3.0} and results.total_by_round(0) == {0: 3.5}
-    assert results.facts(0) == {} and np.isnan(results.cases.exact[0]) and np.isnan(results.models.box).all()
+    assert (
+        results.clock_of(0) == "wall"
+        and results.solve_by_round(0) == {0: 3.0}
+        and results.total_by_round(0) == {0: 3.5}
+    )
+    assert (
+        results.facts(0) == {}
+        and np.isnan(results.cases.exact[0])
+        and np.isnan(results.models.box).all()
+    )
     assert results.models.box.shape == (2, 6) and results.models.polynomial[0] == ""
-    assert results.cases.quantity[0] == "directed" and results.cases.witness_direction[0] == "source to target"
-    assert results.cases.target_pose[0].tolist() == [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0] and results.reference_of(0) == (1.0, 1.0)
-    assert results.cases.warm[0] == 0 and results.cases.chain[0] == "" and results.cases.source_longest[0] == 0
+    assert (
+        results.cases.quantity[0] == "directed"
+        and results.cases.witness_direction[0] == "source to target"
+    )
+    assert results.cases.target_pose[0].tolist() == [
+        1.0,
+        0,
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+    ] and results.reference_of(0) == (1.0, 1.0)
+    assert (
+        results.cases.warm[0] == 0
+        and results.cases.chain[0] == ""
+        and results.cases.source_longest[0] == 0
+    )
 
 
 def test_a_newer_file_has_more_columns(tmp_path: Path) -> None:
@@ -266,7 +431,9 @@ def test_foreign_hdf5(tmp_path: Path) -> None:
         load.load(tmp_path / "foreign.h5")
 
 
-@pytest.mark.parametrize("column", ["cases/upper", "repeats/wall_seconds", "trace/lower", "cases/counter_queue_pushes"])
+@pytest.mark.parametrize(
+    "column", ["cases/upper", "repeats/wall_seconds", "trace/lower", "cases/counter_queue_pushes"]
+)
 def test_ragged_column(tmp_path: Path, column: str) -> None:
     file = ResultFile("ragged")
     file.case("naive", "x", [1.0], [(0.0, 0.0, 1.0)])
@@ -302,7 +469,9 @@ def test_text_where_a_number_belongs(tmp_path: Path) -> None:
 
 
 def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None:
-    h5py.File(tmp_path / "cut.h5", "w", libver="latest").create_dataset("x", data=np.zeros(1000)).file.close()
+    h5py.File(tmp_path / "cut.h5", "w", libver="latest").create_dataset(
+        "x", data=np.zeros(1000)
+    ).file.close()
     (tmp_path / "cut.h5").write_bytes((tmp_path / "cut.h5").read_bytes()[:600])
     (tmp_path / "text.h5").write_text("a letter")
     h5py.File(tmp_path / "foreign.h5", "w").close()
@@ -312,16 +481,31 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
         with pytest.raises(ResultError) as error:
             load.load(tmp_path / f"{name}.h5")
         said[name] = str(error.value)
-    assert "delete" not in " ".join(said.values()) and "move it away" not in said["text"] + said["foreign"]
-    assert "damaged: " in said["cut"] and ": take an intact copy" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
+    assert (
+        "delete" not in " ".join(said.values())
+        and "move it away" not in said["text"] + said["foreign"]
+    )
+    assert (
+        "damaged: " in said["cut"]
+        and ": take an intact copy" in said["cut"]
+        and "with 'hausbench run /mine/empty.toml'" in said["empty"]
+    )
 
 
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
-    assert remedy.measure("zhang2017_table3") == "'make zhang2017_table3'" and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
-    assert remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
+    assert (
+        remedy.measure("zhang2017_table3") == "'make zhang2017_table3'"
+        and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
+    )
+    assert (
+        remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
+    )
     (tmp_path / "experiments").mkdir()  # an installed program has this folder
     (tmp_path / "experiments" / "zhang2017_table3.toml").touch()
-    assert remedy.measure("zhang2017_table3", "/a/zhang2017_table3.toml", tmp_path) == "'hausbench run zhang2017_table3'"
+    assert (
+        remedy.measure("zhang2017_table3", "/a/zhang2017_table3.toml", tmp_path)
+        == "'hausbench run zhang2017_table3'"
+    )
 
 
 def test_file_of_another_experiment(tmp_path: Path) -> None:
@@ -343,7 +527,12 @@ def test_paper_numbers_are_all_there() -> None:
     for name in names:
         numbers = load.paper_numbers(name)
         assert {"paper", "table", "section", "unit", "machine", "row"} <= set(numbers), name
-        values = [value for row in numbers["row"] for value in row.values() if isinstance(value, (int, float))]
+        values = [
+            value
+            for row in numbers["row"]
+            for value in row.values()
+            if isinstance(value, (int, float))
+        ]
         assert values and min(values) > 0, name
 
 
@@ -351,12 +540,30 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
     file = ResultFile("two", meta={"profile": "paper"})
     file.case("naive", "x", [1.0, 2.0], lower=1.0, upper=1.0, profile="quick")
     file.case("scan", "x", [3.0, 4.0, 5.0], lower=1.0, upper=1.0, profile="paper,quick")
-    file.case("ohd", "x", [6.0], [(0.0, 0.0, np.inf), (6.0, 1.0, 1.0)], lower=1.0, upper=1.0, profile="paper", variant="seed=1")
-    file.ledger += [{"kind": "not_run", "subject": "a", "profile": "quick"}, {"kind": "not_run", "subject": "b", "profile": "paper"}]
+    file.case(
+        "ohd",
+        "x",
+        [6.0],
+        [(0.0, 0.0, np.inf), (6.0, 1.0, 1.0)],
+        lower=1.0,
+        upper=1.0,
+        profile="paper",
+        variant="seed=1",
+    )
+    file.ledger += [
+        {"kind": "not_run", "subject": "a", "profile": "quick"},
+        {"kind": "not_run", "subject": "b", "profile": "paper"},
+    ]
     path = file.write(tmp_path)
     latest = load.load(path)  # the latest run had another profile
-    assert list(latest.cases.label) == ["scan", "ohd"] and list(latest.names) == ["scan", "ohd(seed=1)"]
-    assert list(latest.wall_seconds(0)) == list(load.load(path, "quick").wall_seconds(1)) and len(latest.repeats_of(0)) == 3
+    assert list(latest.cases.label) == ["scan", "ohd"] and list(latest.names) == [
+        "scan",
+        "ohd(seed=1)",
+    ]
+    assert (
+        list(latest.wall_seconds(0)) == list(load.load(path, "quick").wall_seconds(1))
+        and len(latest.repeats_of(0)) == 3
+    )
     assert latest.trace_of(1).seconds.tolist() == [0.0, 6.0]
     assert list(latest.ledger.subject) == ["b"]
     assert all(len(counts) == 2 for counts in latest.cases.counters.values())
@@ -369,23 +576,38 @@ def every_dataset(path: Path) -> dict[str, int]:
     """Returns the file offset of each dataset that is stored contiguously, by name."""
     found: dict[str, int] = {}
     with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: found.update({name: item.id.get_offset()})
-                        if isinstance(item, h5py.Dataset) and item.id.get_offset() is not None else None)
+        file.visititems(
+            lambda name, item: found.update({name: item.id.get_offset()})
+            if isinstance(item, h5py.Dataset) and item.id.get_offset() is not None
+            else None
+        )
     return found
 
 
 def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
-    file = ResultFile("flipped", ledger=[{"kind": "not_run"}], fields=[{"name": "distance", "end": 1}], field_values=[0.5])
-    file.case("naive", "x", [1.0, 2.0], [(0.0, 0.0, 1.0)], lower=0.25, upper=0.25, prepare_seconds=0.5)
+    file = ResultFile(
+        "flipped",
+        ledger=[{"kind": "not_run"}],
+        fields=[{"name": "distance", "end": 1}],
+        field_values=[0.5],
+    )
+    file.case(
+        "naive", "x", [1.0, 2.0], [(0.0, 0.0, 1.0)], lower=0.25, upper=0.25, prepare_seconds=0.5
+    )
     path = file.write(tmp_path)
     places, whole = every_dataset(path), path.read_bytes()
     assert len(places) > 100 and load.load(path).cases.upper[0] == 0.25
     for name, at in places.items():
-        path.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1:])
-        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: some of its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1 :])
+        with pytest.raises(
+            ResultError,
+            match=r"flipped\.h5: damaged: some of its bytes .* move it away and measure again with 'hausbench run flipped\.toml'",
+        ):
             load.load(path)
             pytest.fail(f"{name} was read")
-    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # changes the last digit of the hash
+    path.write_bytes(
+        whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:]
+    )  # changes the last digit of the hash
     with pytest.raises(ResultError, match="damaged"):
         load.load(path)
 
@@ -416,8 +638,16 @@ def test_what_follows_the_data_is_their_seal_or_nothing(tmp_path: Path) -> None:
     load.load(path)
 
 
-@pytest.mark.parametrize(("note", "shapes"), [
-    ("an orange sampled twice stands in for the pears", "an orange sampled twice"), ("chess king and queen stand in for the cups", "chess king and queen"),
-    ("cow, and a triceratops that stands in for the hippo", "a triceratops"), ("a dinosaur and a horse stand in", "a dinosaur and a horse"), ("two bunnies", ""), ("", "")])
+@pytest.mark.parametrize(
+    ("note", "shapes"),
+    [
+        ("an orange sampled twice stands in for the pears", "an orange sampled twice"),
+        ("chess king and queen stand in for the cups", "chess king and queen"),
+        ("cow, and a triceratops that stands in for the hippo", "a triceratops"),
+        ("a dinosaur and a horse stand in", "a dinosaur and a horse"),
+        ("two bunnies", ""),
+        ("", ""),
+    ],
+)
 def test_shapes_that_stand_in_are_read_from_notes(note: str, shapes: str) -> None:
     assert notes.stand_in(note) == shapes

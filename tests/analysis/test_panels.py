@@ -55,7 +55,9 @@ def test_several_figures_have_names(tmp_path: Path) -> None:
     (tmp_path / "figures" / "stem.png").write_bytes(b"old")
     drawn = {name: plt.figure(figsize=(1, 1)) for name in ("points", "meshes")}
     written = report.save_figures(drawn, tmp_path, "stem", "a caption", "", ["png"])
-    assert [path.name for path in written] == ["stem-points.png", "stem-meshes.png"] and not (tmp_path / "figures" / "stem.png").exists()
+    assert [path.name for path in written] == ["stem-points.png", "stem-meshes.png"] and not (
+        tmp_path / "figures" / "stem.png"
+    ).exists()
 
 
 @pytest.fixture()
@@ -66,7 +68,9 @@ def suite(tmp_path: Path) -> Suite:
 def test_each_part_of_the_stability_matrix_fits_a_page(suite: Suite) -> None:
     drawn = stability_picture.draw(suite)
     assert list(drawn) == ["points", "meshes", "surfaces"]
-    assert all(figure.get_figwidth() <= 7.17 and figure.get_figheight() < 9.0 for figure in drawn.values())
+    assert all(
+        figure.get_figwidth() <= 7.17 and figure.get_figheight() < 9.0 for figure in drawn.values()
+    )
     plt.close("all")
 
 

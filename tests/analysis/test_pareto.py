@@ -11,10 +11,26 @@ from analysis import pareto
 from analysis.shared import load
 
 
-def cell(file: ResultFile, scene: str, own: tuple[float, float], rival: tuple[float, float], spread: float = 0.01, certified: int = 1) -> None:
+def cell(
+    file: ResultFile,
+    scene: str,
+    own: tuple[float, float],
+    rival: tuple[float, float],
+    spread: float = 0.01,
+    certified: int = 1,
+) -> None:
     """Adds six rounds of both solvers; `own` and `rival` are (seconds, gap)."""
     for solver, (seconds, gap), known in (("cover", own, 1), ("guthe", rival, certified)):
-        file.case(solver, scene, [seconds * (1 + spread * (i - 2)) for i in range(6)], rounds=6, lower=1.0, upper=1.0 + gap, tolerance=1e-3, certified=known)
+        file.case(
+            solver,
+            scene,
+            [seconds * (1 + spread * (i - 2)) for i in range(6)],
+            rounds=6,
+            lower=1.0,
+            upper=1.0 + gap,
+            tolerance=1e-3,
+            certified=known,
+        )
 
 
 def found(file: ResultFile, tmp_path: Path) -> list[pareto.Cell]:
@@ -34,7 +50,10 @@ def test_front(tmp_path: Path) -> None:
     assert [bool(x.rivals) for x in cells] == [False, False, True, True, False]
     line = pareto.judge(cells, "cover (ours)").line()
     assert "does not hold (3 of 5 cells, beaten in 2, not separated in 0)" in line
-    assert "beaten by Guthe 2005, 2.00 [2.00, 2.00] times as fast with a gap of 1.0e-4 instead of 0.00020" in cells[2].line()
+    assert (
+        "beaten by Guthe 2005, 2.00 [2.00, 2.00] times as fast with a gap of 1.0e-4 instead of 0.00020"
+        in cells[2].line()
+    )
 
 
 def test_open_where_times_are_not_separated(tmp_path: Path) -> None:
@@ -50,7 +69,9 @@ def test_open_where_times_are_not_separated(tmp_path: Path) -> None:
 def test_holds_and_without_data(tmp_path: Path) -> None:
     file = ResultFile("error_vs_time")
     cell(file, "faster", (1.0, 2e-4), (2.0, 1e-4))
-    assert "Here it holds (1 of 1 cells" in pareto.judge(found(file, tmp_path), "cover (ours)").line()
+    assert (
+        "Here it holds (1 of 1 cells" in pareto.judge(found(file, tmp_path), "cover (ours)").line()
+    )
     assert "not tested" in pareto.judge([], "cover (ours)").line()
 
 

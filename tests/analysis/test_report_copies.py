@@ -31,7 +31,9 @@ def test_a_picture_of_a_mesh_is_much_smaller_and_looks_the_same(tmp_path: Path) 
     (tmp_path / "out").mkdir()
     copied(tmp_path / "a.png", tmp_path / "out")
     assert (tmp_path / "out" / "a.webp").stat().st_size < (tmp_path / "a.png").stat().st_size / 3
-    assert np.abs(np.asarray(Image.open(tmp_path / "out" / "a.webp")).astype(int) - pixels).mean() < 3
+    assert (
+        np.abs(np.asarray(Image.open(tmp_path / "out" / "a.webp")).astype(int) - pixels).mean() < 3
+    )
 
 
 def test_a_large_table_is_compressed_and_a_small_one_is_not(tmp_path: Path) -> None:
@@ -40,7 +42,12 @@ def test_a_large_table_is_compressed_and_a_small_one_is_not(tmp_path: Path) -> N
         (tmp_path / f"{name}.csv").write_text("a,b\n" + "1,2\n" * rows)
     assert copied(tmp_path / "small.csv", tmp_path / "out") == "small.csv"
     assert copied(tmp_path / "large.csv", tmp_path / "out") == "large.csv.gz"
-    assert gzip.decompress((tmp_path / "out" / "large.csv.gz").read_bytes()) == (tmp_path / "large.csv").read_bytes()
+    assert (
+        gzip.decompress((tmp_path / "out" / "large.csv.gz").read_bytes())
+        == (tmp_path / "large.csv").read_bytes()
+    )
     first = (tmp_path / "out" / "large.csv.gz").read_bytes()
     copied(tmp_path / "large.csv", tmp_path / "out")
-    assert (tmp_path / "out" / "large.csv.gz").read_bytes() == first, "the same table gives the same bytes"
+    assert (
+        tmp_path / "out" / "large.csv.gz"
+    ).read_bytes() == first, "the same table gives the same bytes"

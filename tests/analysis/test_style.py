@@ -24,14 +24,19 @@ def test_every_status_has_a_letter_of_its_own() -> None:
 def test_variants_keep_the_colour() -> None:
     assert style.look("ohd", "ohd") is style.LOOKS["ohd"]
     variant = style.look("ohd", "as printed")
-    assert variant.colour == style.LOOKS["ohd"].colour and variant.marker != style.LOOKS["ohd"].marker
+    assert (
+        variant.colour == style.LOOKS["ohd"].colour and variant.marker != style.LOOKS["ohd"].marker
+    )
     assert variant == style.look("ohd", "as printed") and variant.title == "as printed"
     assert style.look("somebody", "somebody").title == "somebody"
 
 
 def test_a_footnote_stands_below_the_figure(tmp_path: Path) -> None:
     heights = []
-    for stem, footnote in (("without", ""), ("with", "Lower bounds not checked (no witness): cgal")):
+    for stem, footnote in (
+        ("without", ""),
+        ("with", "Lower bounds not checked (no witness): cgal"),
+    ):
         figure, _ = plt.subplots(figsize=(style.SINGLE_COLUMN, 2))
         _, png = report.save_figure(figure, tmp_path, stem, "a figure", footnote)
         heights.append(plt.imread(png).shape[0])
@@ -40,15 +45,23 @@ def test_a_footnote_stands_below_the_figure(tmp_path: Path) -> None:
 
 
 def test_order_and_titles() -> None:
-    assert style.order([("new", "new"), ("cover", "cover"), ("naive", "naive"), ("cover", "cover")]) == [
-        ("naive", "naive"), ("cover", "cover"), ("new", "new")]
-    assert style.scene_title("b_cow_hippo") == "(b) cow, hippo" and style.scene_title("bunny_half") == "bunny half"
+    assert style.order(
+        [("new", "new"), ("cover", "cover"), ("naive", "naive"), ("cover", "cover")]
+    ) == [("naive", "naive"), ("cover", "cover"), ("new", "new")]
+    assert (
+        style.scene_title("b_cow_hippo") == "(b) cow, hippo"
+        and style.scene_title("bunny_half") == "bunny half"
+    )
     assert style.scene_title("s_one_two") == "s one two"
 
 
 def test_panels_are_the_scenes_of_the_experiments_that_begin_with_a_letter() -> None:
-    names = {scene["name"] for file in (Path(__file__).parents[2] / "experiments").rglob("*.toml") if "[[scene]]" in (text := file.read_text(encoding="utf-8"))
-             for scene in tomllib.loads(text).get("scene", [])}
+    names = {
+        scene["name"]
+        for file in (Path(__file__).parents[2] / "experiments").rglob("*.toml")
+        if "[[scene]]" in (text := file.read_text(encoding="utf-8"))
+        for scene in tomllib.loads(text).get("scene", [])
+    }
     assert style.PANELS == {name for name in names if name[1:2] == "_"}
 
 

@@ -1,4 +1,5 @@
-"""Rows of other shapes than the kept ones are counted, and neither compared with kept numbers nor kept."""
+"""Rows of other shapes than the kept ones are counted, and neither compared with kept numbers nor
+kept."""
 
 from __future__ import annotations
 
@@ -26,17 +27,22 @@ Make = Callable[..., Results]
 
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
-    """Returns a function that writes a result of the scenes x and y, whose targets are derived. `other` names targets that another CGAL derived."""
+    """Returns a function that writes a result of the scenes x and y, whose targets are derived.
+    `other` names targets that another CGAL derived."""
     monkeypatch.setattr(unlike, "LIST", tmp_path / "derived.sha256")
     monkeypatch.setattr(check_reference, "FOLDER", tmp_path / "counts")
     monkeypatch.setattr(sizes, "REFERENCE", tmp_path)
 
     def result(*other: str, cgal: str = "5.5.1", **columns: Any) -> Results:
-        file = ResultFile("scaling_meshes", meta={"libraries": json.dumps({"CGAL": cgal}), "profile": "paper"})
+        file = ResultFile(
+            "scaling_meshes", meta={"libraries": json.dumps({"CGAL": cgal}), "profile": "paper"}
+        )
         for solver in ("guthe", "cover"):
             for scene in "xy":
                 given: dict[str, Any] = {"lower": 0.5, "upper": 1.0, "counters": {"node_visits": 7}}
-                file.case(solver, scene, [1.0], **given | (columns if f"{scene}/B" in other else {}))
+                file.case(
+                    solver, scene, [1.0], **given | (columns if f"{scene}/B" in other else {})
+                )
         for case in file.cases:
             if case["target"] in other:
                 case["identity"] = "0" * 8 + case["identity"][8:]
@@ -45,6 +51,7 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
             if model["name"] in other:
                 model["sha256"] = "f" * 64
         return load(file.write(tmp_path))
+
     return result
 
 
@@ -52,7 +59,11 @@ def test_the_list_has_the_derived_models_of_what_was_kept(make: Make) -> None:
     assert not unlike.rows(make()) and unlike.same_cgal(make())  # nothing is kept
     unlike.keep(make())
     first, *lines = unlike.LIST.read_text().splitlines()
-    assert first == "# CGAL 5.5.1" and [line[66:] for line in lines] == ["x/B", "y/B"] and all(re.match("[0-9a-f]{64}  ", line) for line in lines)
+    assert (
+        first == "# CGAL 5.5.1"
+        and [line[66:] for line in lines] == ["x/B", "y/B"]
+        and all(re.match("[0-9a-f]{64}  ", line) for line in lines)
+    )
     assert unlike.same_cgal(make()) and not unlike.same_cgal(make(cgal="6.0.1"))
     unlike.keep(make("x/B"))
     assert unlike.LIST.read_text().splitlines() == [first, *lines]  # only new models are added
@@ -68,12 +79,16 @@ def test_rows_of_other_shapes_are_counted(make: Make) -> None:
     results = make(cgal="6.0.1")
     assert not unlike.rows(results)  # another CGAL derived the same
     unlike.LIST.write_text("".join(line for line in unlike.LIST.open() if "y/B" not in line))
-    assert unlike.models(results) == ["y/B"] and not unlike.rows(make())  # of a model that is not listed, nothing is known
+    assert unlike.models(results) == ["y/B"] and not unlike.rows(
+        make()
+    )  # of a model that is not listed, nothing is known
 
 
 def verdicts_of(results: Results) -> list[Verdict]:
     claim = [claims.of("hausbench", "bounds_hold", place) for place in ("", "x", "y")]
-    table = tables.Table("caption", ["a"], [["1"]], verdicts=[Verdict(one, FAILS, "so for 1 of 2") for one in claim])
+    table = tables.Table(
+        "caption", ["a"], [["1"]], verdicts=[Verdict(one, FAILS, "so for 1 of 2") for one in claim]
+    )
     printed = Report(None, table, clock=NO_TIMES).printed(results, STEM)
     assert printed
     return list(printed.verdicts)
@@ -85,26 +100,45 @@ STEM = claims.entries("hausbench")["bounds_hold"].stems[0]
 def test_claims_about_them_are_not_judged_beside_kept_verdicts(make: Make, tmp_path: Path) -> None:
     unlike.keep(make())
     before = [replace(verdict, outcome=HOLDS) for verdict in verdicts_of(make())]
-    assert [verdict.outcome for verdict in verdicts_of(make("x/B"))] == [FAILS] * 3  # no verdict is kept: these claims are of this run alone
-    kept = table_files.save_json(claims.records(before, STEM, "paper"), tmp_path / f"kept{claims.SUFFIX}")
+    assert [verdict.outcome for verdict in verdicts_of(make("x/B"))] == [
+        FAILS
+    ] * 3  # no verdict is kept: these claims are of this run alone
+    kept = table_files.save_json(
+        claims.records(before, STEM, "paper"), tmp_path / f"kept{claims.SUFFIX}"
+    )
     assert [verdict.outcome for verdict in verdicts_of(make())] == [FAILS] * 3
     now = verdicts_of(make("x/B"))
     assert [verdict.outcome for verdict in now] == [UNTESTED, UNTESTED, FAILS]
-    assert now[0].evidence == "2 of 4 rows are not of the kept shapes: x/B; of those: holds, see results/reference"
+    assert (
+        now[0].evidence
+        == "2 of 4 rows are not of the kept shapes: x/B; of those: holds, see results/reference"
+    )
     assert len(opposite.opposites(claims.records(now, STEM, "paper"), claims.read(kept))) == 1
 
 
 def test_kept_rows_are_not_compared_with_them(make: Make) -> None:
     check_reference.keep("s", make())
-    assert check_reference.check("s", make()) == ("s: bounds and counted work equal the reference: 4 of 4 rows", True)
+    assert check_reference.check("s", make()) == (
+        "s: bounds and counted work equal the reference: 4 of 4 rows",
+        True,
+    )
     said = "2 rows not compared: 2 of 4 rows are not of the kept shapes: x/B"
     of_x: list[dict[str, Any]] = [{"lower": 0.25}, {}]
     for columns in of_x:
-        assert check_reference.check("s", make("x/B", cgal="6.0.1", **columns)) == (f"s: bounds and counted work equal the reference: 2 of 2 rows; {said}", True)
+        assert check_reference.check("s", make("x/B", cgal="6.0.1", **columns)) == (
+            f"s: bounds and counted work equal the reference: 2 of 2 rows; {said}",
+            True,
+        )
     whole = check_reference.check("s", make("x/B", "y/B", cgal="6.0.1", lower=0.25))
-    assert whole == ("s: 4 rows not compared: 4 of 4 rows are not of the kept shapes: x/B, y/B", True)
+    assert whole == (
+        "s: 4 rows not compared: 4 of 4 rows are not of the kept shapes: x/B, y/B",
+        True,
+    )
     # The same CGAL should derive the same shapes.
-    assert check_reference.check("s", make("x/B")) == (f"s: bounds and counted work equal the reference: 2 of 2 rows; {said}", False)
+    assert check_reference.check("s", make("x/B")) == (
+        f"s: bounds and counted work equal the reference: 2 of 2 rows; {said}",
+        False,
+    )
     assert not check_reference.check("s", make("x/B", "y/B"))[1]
 
 
@@ -124,19 +158,34 @@ def test_they_are_not_kept(make: Make, capsys: pytest.CaptureFixture[str]) -> No
     with pytest.raises(ResultError, match="cannot be kept: 2 of 4 rows are not of the kept shapes"):
         paper_profile.check(other)
     make("x/B")
-    assert check_reference.main(["scaling_meshes", "--keep", "--results", str(other.path.parent)]) == 2
+    assert (
+        check_reference.main(["scaling_meshes", "--keep", "--results", str(other.path.parent)]) == 2
+    )
     assert "cannot be kept" in capsys.readouterr().err
 
 
 def test_the_list_of_the_project() -> None:
     first, *lines = (REFERENCE / "derived.sha256").read_text().splitlines()
     models = [line[66:] for line in lines]
-    assert first == "# CGAL 5.5.1" and models == sorted(set(models)) and all(re.fullmatch(r"[0-9a-f]{64}  \S+", line) for line in lines)
-    manifest, corpus = (tomllib.loads((DATASETS / f"{name}.toml").read_text()) for name in ("manifest", "corpus"))
-    by_cgal = {name for name, table in manifest["model"].items() if table.get("operation") in ("simplify", "remesh")}
+    assert (
+        first == "# CGAL 5.5.1"
+        and models == sorted(set(models))
+        and all(re.fullmatch(r"[0-9a-f]{64}  \S+", line) for line in lines)
+    )
+    manifest, corpus = (
+        tomllib.loads((DATASETS / f"{name}.toml").read_text()) for name in ("manifest", "corpus")
+    )
+    by_cgal = {
+        name
+        for name, table in manifest["model"].items()
+        if table.get("operation") in ("simplify", "remesh")
+    }
     assert by_cgal <= set(models)
     of_corpus = [*corpus["model"], *corpus["whole"], *corpus["manifest"], *corpus["whole_manifest"]]
-    assert sum(f"{name}_half" in models for name in of_corpus) > 600 and sum(f"{name}_remeshed" in models for name in of_corpus) > 600
+    assert (
+        sum(f"{name}_half" in models for name in of_corpus) > 600
+        and sum(f"{name}_remeshed" in models for name in of_corpus) > 600
+    )
 
 
 def test_experiments_name_their_models_apart() -> None:
@@ -144,5 +193,7 @@ def test_experiments_name_their_models_apart() -> None:
     known: dict[str, dict[str, Any]] = {}
     for file in sorted((DATASETS.parent / "experiments").rglob("*.toml")):
         for name, table in tomllib.loads(file.read_text()).get("model", {}).items():
-            assert known.setdefault(name, table | {"note": ""}) == table | {"note": ""}, f"{name} in {file}"
+            assert known.setdefault(name, table | {"note": ""}) == table | {
+                "note": ""
+            }, f"{name} in {file}"
     assert len(known) > 50

@@ -1,4 +1,5 @@
-"""HDF5 files are opened only if the program, or the list of SHA-256 in results/reference, says so."""
+"""HDF5 files are opened only if the program, or the list of SHA-256 in results/reference, says
+so."""
 
 from __future__ import annotations
 
@@ -15,7 +16,11 @@ from synthetic import ResultFile
 
 def test_the_list_has_every_kept_file() -> None:
     sums = gate.read_sums()
-    there = {path.relative_to(gate.REFERENCE).as_posix(): gate.sha256(path) for path in gate.REFERENCE.rglob("*") if path.is_file() and path.name != gate.SUMS}
+    there = {
+        path.relative_to(gate.REFERENCE).as_posix(): gate.sha256(path)
+        for path in gate.REFERENCE.rglob("*")
+        if path.is_file() and path.name != gate.SUMS
+    }
     assert len(sums) > 50
     assert there == sums, "if the change is right, run `make reference-sums`"
 
@@ -34,7 +39,9 @@ def test_a_kept_result_needs_no_program(tmp_path: Path, monkeypatch: pytest.Monk
     assert load.load(path).cases.lower[0] == 0.5
     with h5py.File(path, "r+") as file:
         file["cases/lower"][0] = 0.25
-    with pytest.raises(ResultError, match=r"kept\.h5: damaged: has another SHA-256 than .*SHA256SUMS"):
+    with pytest.raises(
+        ResultError, match=r"kept\.h5: damaged: has another SHA-256 than .*SHA256SUMS"
+    ):
         load.load(path)
     (tmp_path / gate.SUMS).write_text("")
     os.utime(path)
@@ -42,7 +49,9 @@ def test_a_kept_result_needs_no_program(tmp_path: Path, monkeypatch: pytest.Monk
         load.load(path)
 
 
-def test_without_the_program_nothing_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_program_nothing_is_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = result(tmp_path)
     monkeypatch.setenv("HAUSBENCH_PROGRAM", str(tmp_path / "none"))
     with pytest.raises(ResultError, match="none: cannot be run"):
@@ -57,7 +66,9 @@ def test_without_the_program_nothing_is_opened(tmp_path: Path, monkeypatch: pyte
         load.load(path)
 
 
-def test_one_call_checks_many_files_and_a_changed_one_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_call_checks_many_files_and_a_changed_one_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     paths = [result(tmp_path / str(k)) for k in range(5)]
     asked, ask = list[int](), gate.ask
 

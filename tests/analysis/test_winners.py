@@ -1,4 +1,5 @@
-"""README's table of winners follows from the times kept in results/reference, which agree with the tables kept there."""
+"""README's table of winners follows from the times kept in results/reference, which agree with the
+tables kept there."""
 
 from __future__ import annotations
 
@@ -17,19 +18,39 @@ from analysis.shared.estimates import Estimate
 TIMES: dict[str, dict[str, list[float]]] = {
     "a_pears": {"earlybreak": [8.0, 7.0, 9.0], "scan": [2.0, 1.5, 2.5], "kdtree": [4.0, 3.0, 5.0]},
     "b_cow": {"earlybreak": [1.0, 0.9, 1.1], "scan": [], "kdtree": [3.0, 2.9, 3.1]},
-    "c_cups": {"earlybreak": [1.0, 0.9, 1.1], "scan": [1.05, 1.0, 1.1], "kdtree": [3.0, 2.9, 3.1]}}
+    "c_cups": {"earlybreak": [1.0, 0.9, 1.1], "scan": [1.05, 1.0, 1.1], "kdtree": [3.0, 2.9, 3.1]},
+}
 
 
-def kept(folder: Path, stem: str = "zhang2017_table3", times: dict[str, dict[str, list[float]]] = TIMES, rounds: int = 10, apart: str = "",
-         **changed: list[float]) -> Path:
-    """Writes one file of times per stem, empty except for `stem`. `changed` replaces times on the first scene."""
+def kept(
+    folder: Path,
+    stem: str = "zhang2017_table3",
+    times: dict[str, dict[str, list[float]]] = TIMES,
+    rounds: int = 10,
+    apart: str = "",
+    **changed: list[float],
+) -> Path:
+    """Writes one file of times per stem, empty except for `stem`. `changed` replaces times on the
+    first scene."""
     first = next(iter(times))
     found: list[tables.Record] = [
-        {"stem": stem, "scene": scene, "solver": solver, "label": solver, "title": style.title(solver), "seconds": seconds,
-         "n": {0: 0, 1: 1, 3: rounds}[len(seconds)], "apart": apart}
-        for scene, own in times.items() for solver, seconds in (own | (changed if scene == first else {})).items()]
+        {
+            "stem": stem,
+            "scene": scene,
+            "solver": solver,
+            "label": solver,
+            "title": style.title(solver),
+            "seconds": seconds,
+            "n": {0: 0, 1: 1, 3: rounds}[len(seconds)],
+            "apart": apart,
+        }
+        for scene, own in times.items()
+        for solver, seconds in (own | (changed if scene == first else {})).items()
+    ]
     for name, (file, _) in winners.RACES.items():
-        table_files.save_json(found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX))
+        table_files.save_json(
+            found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX)
+        )
     return folder
 
 
@@ -42,12 +63,17 @@ def test_readme_is_what_the_kept_times_give() -> None:
 def rows_of(stem: str, text: str) -> list[list[str]]:
     """Returns the cells of a stem's table, with the header first."""
     section = text.partition(f"\n## {stem}\n")[2].partition("\n## ")[0]
-    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in section.splitlines() if line.startswith("| ")]
+    return [
+        [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        for line in section.splitlines()
+        if line.startswith("| ")
+    ]
 
 
 @pytest.mark.parametrize("stem", winners.RACES)
 def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
-    """Each kept time equals the printed cell of its scene and solver, and no printed time is missing."""
+    """Each kept time equals the printed cell of its scene and solver, and no printed time is
+    missing."""
     file = winners.RACES[stem][0]
     header, *rows = rows_of(stem, (REFERENCE / file).read_text(encoding="utf-8"))
     found = [one for one in winners.read(file) if one.stem == stem]
@@ -65,21 +91,34 @@ def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
 
 
 def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
-    """scan wins the first scene by a factor of 2, and earlybreak the second, where scan timed out. On the third, the two are level."""
+    """scan wins the first scene by a factor of 2, and earlybreak the second, where scan timed out.
+    On the third, the two are level."""
     lines = winners.table(kept(tmp_path)).splitlines()
     assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times as fast as the next best |" in lines
-    assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |" in lines
+    assert (
+        "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |"
+        in lines
+    )
     assert "`scan`" not in winners.table(kept(tmp_path, scan=[2.0, 1.5, 3.5]))
 
 
 def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
-    """A single time has no interval, so nothing is decided on the first scene, whether it is above or below all intervals."""
-    for time, least in ((4.0, "; the interval of `scan` lies below all intervals and single times in 1 of them"), (0.1, "")):
+    """A single time has no interval, so nothing is decided on the first scene, whether it is above
+    or below all intervals."""
+    for time, least in (
+        (4.0, "; the interval of `scan` lies below all intervals and single times in 1 of them"),
+        (0.1, ""),
+    ):
         text = winners.table(kept(tmp_path, kdtree=[time]))
         assert "`scan` |" not in text and "`kdtree` |" not in text
-        assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |" in text
-        assert ("\n\nNo winner in 1 of the 3 pairs of Table 3: k-d tree (nanoflann) has single times there, without an interval"
-                f"{least}.") in text
+        assert (
+            "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |"
+            in text
+        )
+        assert (
+            "\n\nNo winner in 1 of the 3 pairs of Table 3: k-d tree (nanoflann) has single times there, without an interval"
+            f"{least}."
+        ) in text
 
 
 @pytest.mark.parametrize("rounds", [2, 5])
@@ -94,7 +133,9 @@ def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:
     """Each file named as a source is needed, and no other file is."""
     stated = re.findall(r"\(results/reference/([^)]*)\)", winners.table(kept(tmp_path)))
     files = [Path(name).with_suffix(winners.SUFFIX).name for name in stated]
-    assert stated == list(winners.SOURCES) and set(files) == {path.name for path in tmp_path.iterdir()}
+    assert stated == list(winners.SOURCES) and set(files) == {
+        path.name for path in tmp_path.iterdir()
+    }
     for name in files:
         (tmp_path / name).rename(tmp_path / "away")
         with pytest.raises(FileNotFoundError):
@@ -103,16 +144,34 @@ def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:
 
 
 def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
-    """Kept times stay if this run has no result for them. Outside programs appear under their titles."""
+    """Kept times stay if this run has no result for them. Outside programs appear under their
+    titles."""
     for file in (synthetic.points_speed(), synthetic.zhang2017_table3()):
         file.meta["profile"] = "paper"
         file.write(tmp_path)
-        assert paper_profile.main([file.stem.partition("_table")[0], "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+        assert (
+            paper_profile.main(
+                [
+                    file.stem.partition("_table")[0],
+                    "--results",
+                    str(tmp_path),
+                    "--out",
+                    str(tmp_path),
+                ]
+            )
+            == 0
+        )
     points = {(one.scene, one.label): one for one in winners.read("points_speed.md", tmp_path)}
     scan, other = points["overlapping_100K", "scan"], points["noisy_100K", "scipy_ckdtree"]
-    assert [numerals.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"] and scan.name == "`scan`" and scan.apart == ""
+    assert (
+        [numerals.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"]
+        and scan.name == "`scan`"
+        and scan.apart == ""
+    )
     assert other.seconds == pytest.approx([0.08]) and other.n == 1 and other.name == "SciPy cKDTree"
-    assert points["noisy_100K", "earlybreak"].n == 0 and not points["noisy_100K", "earlybreak"].seconds
+    assert (
+        points["noisy_100K", "earlybreak"].n == 0 and not points["noisy_100K", "earlybreak"].seconds
+    )
     assert "| SciPy cKDTree |" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")
 
     before = (tmp_path / "zhang2017_paper_profile.times.json").read_bytes()
@@ -122,7 +181,9 @@ def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
     fig8.case("nohd", "50K", [1.0], lower=1.0, upper=1.0, options={"depth": 5}, variant="depth=5")
     fig8.meta["profile"] = "paper"
     fig8.write(tmp_path)
-    assert paper_profile.main(["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert (
+        paper_profile.main(["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    )
     assert (tmp_path / "zhang2017_paper_profile.times.json").read_bytes() == before
 
 
@@ -130,18 +191,38 @@ def test_a_scene_is_one_race_at_its_largest_tolerance(tmp_path: Path) -> None:
     file = synthetic.ResultFile("mesh_peers")
     for tolerance, ours in ((1e-6, 0.001), (1e-8, 0.5)):
         for solver, seconds in (("cover", ours), ("sacht", 0.01)):
-            file.case(solver, "near", [seconds * (1 + k / 1000) for k in range(6)], prepare_seconds=0.0, lower=0.25, upper=0.25, tolerance=tolerance)
+            file.case(
+                solver,
+                "near",
+                [seconds * (1 + k / 1000) for k in range(6)],
+                prepare_seconds=0.0,
+                lower=0.25,
+                upper=0.25,
+                tolerance=tolerance,
+            )
     file.meta["profile"] = "paper"
     file.write(tmp_path)
-    assert paper_profile.main(["mesh_peers", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert (
+        paper_profile.main(["mesh_peers", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    )
     found = winners.race(winners.read("mesh_peers.md", tmp_path))
-    assert found.scenes == 1 and list(found.won) == ["`cover`"] and found.won["`cover`"] == pytest.approx([10.0])
+    assert (
+        found.scenes == 1
+        and list(found.won) == ["`cover`"]
+        and found.won["`cover`"] == pytest.approx([10.0])
+    )
 
 
 def test_marks_are_needed(tmp_path: Path) -> None:
-    (tmp_path / "README.md").write_text(f"a\n{winners.BEGIN}\noutdated\n{winners.END}\nb\n", encoding="utf-8")
+    (tmp_path / "README.md").write_text(
+        f"a\n{winners.BEGIN}\noutdated\n{winners.END}\nb\n", encoding="utf-8"
+    )
     winners.write(kept(tmp_path), tmp_path / "README.md")
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert text.startswith(f"a\n{winners.BEGIN}\nFrom the kept tables: [pairs of Table 3]") and text.endswith(f"|\n{winners.END}\nb\n") and "outdated" not in text
+    assert (
+        text.startswith(f"a\n{winners.BEGIN}\nFrom the kept tables: [pairs of Table 3]")
+        and text.endswith(f"|\n{winners.END}\nb\n")
+        and "outdated" not in text
+    )
     with pytest.raises(ValueError, match="marks"):
         winners.rewritten("no marks", "x")

@@ -1,4 +1,5 @@
-"""datasets/letters.py makes closed solids that face outwards, do not intersect themselves and have no degenerate triangle."""
+"""datasets/letters.py makes closed solids that face outwards, do not intersect themselves and have
+no degenerate triangle."""
 
 from __future__ import annotations
 
@@ -18,8 +19,11 @@ sys.path.insert(0, str(DATASETS))
 import letters  # noqa: E402
 
 FONT = Path("/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf")
-MODELS = {name: table for name, table in tomllib.loads((DATASETS / "manifest.toml").read_text())["model"].items()
-          if name.startswith("letter_")}
+MODELS = {
+    name: table
+    for name, table in tomllib.loads((DATASETS / "manifest.toml").read_text())["model"].items()
+    if name.startswith("letter_")
+}
 Vector = tuple[int, int, int]
 
 
@@ -46,18 +50,26 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
     vertices, faces = mesh
     unit = lcm(*(c.denominator for vertex in vertices for c in vertex))
     at: list[Vector] = [(int(x * unit), int(y * unit), int(z * unit)) for x, y, z in vertices]
-    assert len(set(at)) == len(at) and {corner for face in faces for corner in face} == set(range(len(at)))
+    assert len(set(at)) == len(at) and {corner for face in faces for corner in face} == set(
+        range(len(at))
+    )
 
     directed = Counter((face[i - 1], face[i]) for face in faces for i in range(3))
     assert set(directed.values()) == {1} and all((b, a) in directed for a, b in directed)
 
     normals = [product(minus(at[b], at[a]), minus(at[c], at[a])) for a, b, c in faces]
     assert all(normal != (0, 0, 0) for normal in normals)
-    upper = [normal for normal, face in zip(normals, faces) if all(vertices[i][2] == depth for i in face)]
-    lower = [normal for normal, face in zip(normals, faces) if all(vertices[i][2] == 0 for i in face)]
+    upper = [
+        normal for normal, face in zip(normals, faces) if all(vertices[i][2] == depth for i in face)
+    ]
+    lower = [
+        normal for normal, face in zip(normals, faces) if all(vertices[i][2] == 0 for i in face)
+    ]
     assert all(normal[2] > 0 for normal in upper) and all(normal[2] < 0 for normal in lower)
     cap = Fraction(sum(normal[2] for normal in upper), 2 * unit**2)
-    assert cap == -Fraction(sum(normal[2] for normal in lower), 2 * unit**2) and (area is None or cap == area)
+    assert cap == -Fraction(sum(normal[2] for normal in lower), 2 * unit**2) and (
+        area is None or cap == area
+    )
     volume = Fraction(sum(dot(at[a], product(at[b], at[c])) for a, b, c in faces), 6 * unit**3)
     assert volume == cap * depth > 0
 
@@ -65,12 +77,18 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
         along = minus(at[b], at[a])
         for i in range(len(at)):
             if a < b and i not in (a, b) and product(along, minus(at[i], at[a])) == (0, 0, 0):
-                assert not 0 <= dot(along, minus(at[i], at[a])) <= dot(along, along), "a vertex lies on an edge that is not its own"
+                assert (
+                    not 0 <= dot(along, minus(at[i], at[a])) <= dot(along, along)
+                ), "a vertex lies on an edge that is not its own"
 
-    # No two edges of a cap cross. As its triangles have one orientation, the cap covers the region once, and walls do not meet.
+    # No two edges of a cap cross. As its triangles have one orientation, the cap covers the region
+    # once, and walls do not meet.
     flat = [(at[a], at[b]) for a, b in directed if a < b and vertices[a][2] == vertices[b][2] == 0]
     for i, (p, q) in enumerate(flat):
-        assert not any(side(p, q, r) * side(p, q, s) < 0 and side(r, s, p) * side(r, s, q) < 0 for r, s in flat[:i])
+        assert not any(
+            side(p, q, r) * side(p, q, s) < 0 and side(r, s, p) * side(r, s, q) < 0
+            for r, s in flat[:i]
+        )
 
     n = len(at) // 2
     holes = (len(faces) + 4 - 4 * n) // 4
@@ -91,45 +109,78 @@ SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, like the outer conto
 HOLE = ring((2, 2), (4, 2), (4, 4), (2, 4))
 NOTCH = ring((5, 3), (7, 3), (6, 4), (7, 6), (5, 5))
 # The notch's tip is inside the ear (a corner to cut off) with the shortest cut, or on the cut.
-NEEDLES = [ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10)) for tip in (2, 5)]
+NEEDLES = [
+    ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10))
+    for tip in (2, 5)
+]
 # A point of the outer ring is nearest to two holes, but only one may be joined to it.
-SPIKE = [ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)), ring((3, 4), (2, 5), (2, 3)), ring((5, 4), (6, 5), (6, 3))]
+SPIKE = [
+    ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)),
+    ring((3, 4), (2, 5), (2, 3)),
+    ring((5, 4), (6, 5), (6, 3)),
+]
 # The small hole and the nearest point of the outer ring are on opposite sides of the long hole.
-BAR = [ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)), ring((2, 12), (14, 12), (14, 13), (2, 13)),
-       ring((8, 11), (9, 10), (7, 10))]
+BAR = [
+    ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)),
+    ring((2, 12), (14, 12), (14, 13), (2, 13)),
+    ring((8, 11), (9, 10), (7, 10)),
+]
 
 
 @pytest.mark.parametrize("triangles", [0, 60, 200])
-@pytest.mark.parametrize(("rings", "area", "holes"), [
-    ([SQUARE], 64, 0), ([SQUARE[::-1]], 64, 0), ([HOLE, SQUARE], 60, 1), ([SQUARE, HOLE[::-1], NOTCH], 60 - Fraction(7, 2), 2),
-    ([NEEDLES[0]], 364, 0), ([NEEDLES[1]], 370, 0), (SPIKE, 64 - 4 - 1 - 1, 2), (BAR, 256 - 4 - 12 - 1, 2),
-    ([ring((0, 0), (9, 0), (9, 1), (1, 1), (1, 8), (9, 8), (9, 9), (0, 9))], 25, 0)])
-def test_solids_of_rings_with_holes(rings: list[letters.Ring], area: Fraction, holes: int, triangles: int) -> None:
+@pytest.mark.parametrize(
+    ("rings", "area", "holes"),
+    [
+        ([SQUARE], 64, 0),
+        ([SQUARE[::-1]], 64, 0),
+        ([HOLE, SQUARE], 60, 1),
+        ([SQUARE, HOLE[::-1], NOTCH], 60 - Fraction(7, 2), 2),
+        ([NEEDLES[0]], 364, 0),
+        ([NEEDLES[1]], 370, 0),
+        (SPIKE, 64 - 4 - 1 - 1, 2),
+        (BAR, 256 - 4 - 12 - 1, 2),
+        ([ring((0, 0), (9, 0), (9, 1), (1, 1), (1, 8), (9, 8), (9, 9), (0, 9))], 25, 0),
+    ],
+)
+def test_solids_of_rings_with_holes(
+    rings: list[letters.Ring], area: Fraction, holes: int, triangles: int
+) -> None:
     mesh = letters.solid(rings, Fraction(1, 4), triangles)
     assert check(mesh, Fraction(1, 4), Fraction(area)) == holes
     assert len(mesh[1]) >= triangles and (triangles < 200 or len(mesh[1]) < 204)
 
 
 def test_a_curved_outline_with_a_hole() -> None:
-    """A disc of four curves given by control points alone, as in TrueType, and a hole with one curved side."""
+    """A disc of four curves given by control points alone, as in TrueType, and a hole with one
+    curved side."""
     disc = letters.flatten(contour((0, 0, False), (0, 8, False), (8, 8, False), (8, 0, False)), 2)
-    assert len(disc) == 8 and (Fraction(1), Fraction(1)) in disc and (Fraction(0), Fraction(4)) in disc
+    assert (
+        len(disc) == 8 and (Fraction(1), Fraction(1)) in disc and (Fraction(0), Fraction(4)) in disc
+    )
     hole = letters.flatten(contour((3, 3, True), (5, 3, True), (5, 5, False), (3, 5, True)), 4)
     assert hole[1:3] == [(Fraction(5), Fraction(3)), (Fraction(39, 8), Fraction(31, 8))]
     area = abs(letters.area(disc)) - abs(letters.area(hole))
     mesh = letters.solid([hole, disc], Fraction(2))
     assert check(mesh, Fraction(2), area) == 1 and len(mesh[1]) == 200
     text = letters.obj_text(mesh).decode().splitlines()
-    assert len(text) == len(mesh[0]) + len(mesh[1]) and text[0].startswith("v ") and text[-1].startswith("f ")
+    assert (
+        len(text) == len(mesh[0]) + len(mesh[1])
+        and text[0].startswith("v ")
+        and text[-1].startswith("f ")
+    )
     assert text[1].split()[1:] == [repr(float(c)) for c in mesh[0][1]]
 
 
-@pytest.mark.parametrize("rings", [
-    [SQUARE, ring((7, 2), (9, 2), (9, 4))],  # the contours cross
-    [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one is on the other
-    [SQUARE, ring((20, 2), (22, 2), (21, 4))],  # two separate pieces
-    [SQUARE, ring((1, 1), (1, 7), (7, 7), (7, 1)), HOLE],  # a piece inside a hole
-    [ring((0, 0), (4, 4), (4, 0), (0, 4))]])
+@pytest.mark.parametrize(
+    "rings",
+    [
+        [SQUARE, ring((7, 2), (9, 2), (9, 4))],  # the contours cross
+        [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one is on the other
+        [SQUARE, ring((20, 2), (22, 2), (21, 4))],  # two separate pieces
+        [SQUARE, ring((1, 1), (1, 7), (7, 7), (7, 1)), HOLE],  # a piece inside a hole
+        [ring((0, 0), (4, 4), (4, 0), (0, 4))],
+    ],
+)
 def test_outlines_that_are_no_ring_with_holes_are_refused(rings: list[letters.Ring]) -> None:
     with pytest.raises(ValueError, match="contours overlap|not one ring with holes"):
         letters.solid(rings, Fraction(1))

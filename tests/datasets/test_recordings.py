@@ -11,9 +11,16 @@ ROOT = Path(__file__).resolve().parents[2]
 MODELS = tomllib.loads((ROOT / "datasets" / "manifest.toml").read_text())["model"]
 
 
-@pytest.mark.parametrize(("stem", "objects"), [
-    *((f"alphabet_domino{kind}", [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"]) for kind in ("", "_soft")),
-    *((f"falling_bunnies{kind}", ["bunny_1k"] * 50) for kind in ("", "_soft"))])
+@pytest.mark.parametrize(
+    ("stem", "objects"),
+    [
+        *(
+            (f"alphabet_domino{kind}", [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"])
+            for kind in ("", "_soft")
+        ),
+        *((f"falling_bunnies{kind}", ["bunny_1k"] * 50) for kind in ("", "_soft")),
+    ],
+)
 def test_recordings(stem: str, objects: list[str]) -> None:
     file = ROOT / "experiments" / "tang2009" / f"{stem}.recording"
     assert file.stat().st_size < 600_000
@@ -33,9 +40,13 @@ def test_recordings(stem: str, objects: list[str]) -> None:
         keys.append((frame, first, second))
         assert 0 <= frame < int(frames) and 0 <= first < second < len(objects)
         for body, numbers in ((first, words[3:10]), (second, words[10:])):
-            assert poses.setdefault((frame, body), numbers) == numbers  # a body has one pose in each frame
+            assert (
+                poses.setdefault((frame, body), numbers) == numbers
+            )  # a body has one pose in each frame
             assert all(f"{float(number):.9g}" == number for number in numbers)
             assert sum(float(number) ** 2 for number in numbers[:4]) == pytest.approx(1, abs=1e-8)
     assert keys == sorted(set(keys)) and 1000 <= len(keys) <= 2000
     # In the last frame, most bodies overlap another; a few bunnies roll away if contacts are rigid.
-    assert len({body for frame, *pair in keys if frame == int(frames) - 1 for body in pair}) >= 0.8 * len(objects)
+    assert len(
+        {body for frame, *pair in keys if frame == int(frames) - 1 for body in pair}
+    ) >= 0.8 * len(objects)

@@ -1,4 +1,5 @@
-"""Files of many formats whose distances are known, read by the program, the C library and the Python package.
+"""Files of many formats whose distances are known, read by the program, the C library and the
+Python package.
 
 Each was once misread or refused without advice. `inputs/` holds the files.
 """
@@ -42,7 +43,10 @@ KNOWN = [
     Known("30_inch.amf", "06_box_25.4.stl", options={"unit": "mm"}, rounding=1e-6),
     Known("06_inch.3mf", "06_box_25.4.stl", 24.4 * 3**0.5, rounding=1e-6),
     Known("30_inch.amf", "06_box_25.4.stl", 24.4 * 3**0.5, rounding=1e-6),
-    *(Known(f"07_{kind}.glb", "07_box_2_at_1.off") for kind in ("quant_u16", "quant_i16_norm", "float")),
+    *(
+        Known(f"07_{kind}.glb", "07_box_2_at_1.off")
+        for kind in ("quant_u16", "quant_i16_norm", "float")
+    ),
     *(Known(f"08_{kind}.dae", "08_box123.stl") for kind in ("zup_m", "xup_m", "yup_inch")),
     Known("32_block.dxf", "32_squares.off"),
     Known("09_id_first.csv", "09_ref.xyz"),
@@ -50,7 +54,11 @@ KNOWN = [
     Known("36_pnezd.csv", "36_ref.xyz", refused=("36_pnezd.csv", "5 columns", "2,3,4")),
     Known("36_pnezd.csv", "36_ref.xyz", options={"columns": "2,3,4"}),
     *(Known(f"25_cloud.{kind}", "09_ref.xyz") for kind in ("txt", "asc", "xyzn", "xyzrgb")),
-    Known("10_organized.pcd", "10_plane.xyz", refused=("10_organized.pcd", "line ", "not finite", "--drop-invalid", "drop_invalid")),
+    Known(
+        "10_organized.pcd",
+        "10_plane.xyz",
+        refused=("10_organized.pcd", "line ", "not finite", "--drop-invalid", "drop_invalid"),
+    ),
     Known("10_organized.pcd", "10_plane.xyz", 1, directed=True, options={"drop_invalid": "yes"}),
     Known("27_nan_unused.ply", "27_tri.off", directed=True),
     Known("27_nan_unused_bin.ply", "27_tri.off", directed=True),
@@ -58,16 +66,30 @@ KNOWN = [
     Known("18_point.xyz", "18_edges.ply", 1, directed=True),
     Known("18_point2.xyz", "18_mesh_and_line.obj", 1, directed=True),
     Known("34_surf.obj", "34_point.xyz", refused=("34_surf.obj", "line ", "convert")),
-    *(Known(f"19_box{kind}", BOX) for kind in (".vtk", "_poly.vtk", ".vtp", ".vtu", ".mesh", ".msh")),
+    *(
+        Known(f"19_box{kind}", BOX)
+        for kind in (".vtk", "_poly.vtk", ".vtp", ".vtu", ".mesh", ".msh")
+    ),
     Known("20_points.glb", "20_points.xyz"),
     Known("22_production_two.3mf", "22_two.off"),
     Known("22_production.3mf", "22_two.off", 2),  # its one part stands at x from 2 to 3
-    Known("29_morph.glb", BOX, 3**0.5),  # the default weight moves a corner from (1, 1, 1) to (2, 2, 2)
+    Known(
+        "29_morph.glb", BOX, 3**0.5
+    ),  # the default weight moves a corner from (1, 1, 1) to (2, 2, 2)
     Known("29_unknown_required.glb", BOX, refused=("29_unknown_required.glb", "ACME")),
 ]
-UNREAD = [("scan.las", "LAS", "las2txt"), ("scan.laz", "LAZ", "las2txt"), ("scan.e57", "E57", "pdal"), ("mask.nii.gz", "voxels", "marching_cubes"),
-          ("mask.nrrd", "voxels", "marching_cubes"), ("part.step", "STEP", "STL"), ("part.igs", "IGES", "STL"), ("photo.png", "picture", "mesh"),
-          ("all.zip", "ZIP", "unpack"), ("scene.x3d", "X3D", "convert")]
+UNREAD = [
+    ("scan.las", "LAS", "las2txt"),
+    ("scan.laz", "LAZ", "las2txt"),
+    ("scan.e57", "E57", "pdal"),
+    ("mask.nii.gz", "voxels", "marching_cubes"),
+    ("mask.nrrd", "voxels", "marching_cubes"),
+    ("part.step", "STEP", "STL"),
+    ("part.igs", "IGES", "STL"),
+    ("photo.png", "picture", "mesh"),
+    ("all.zip", "ZIP", "unpack"),
+    ("scene.x3d", "X3D", "convert"),
+]
 
 PYTHON = """\
 import json, sys, hausbench
@@ -126,19 +148,53 @@ int main(int count, char** given) {
 def c_program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("c")
     (folder / "read.c").write_text(C)
-    subprocess.run(["cc", "-std=c99", "-Wall", "-Werror", folder / "read.c", f"-I{ROOT / 'library'}", f"-L{BUILD / 'library'}", "-lhausbench",
-                    f"-Wl,-rpath,{BUILD / 'library'}", "-o", folder / "read"], check=True)
+    subprocess.run(
+        [
+            "cc",
+            "-std=c99",
+            "-Wall",
+            "-Werror",
+            folder / "read.c",
+            f"-I{ROOT / 'library'}",
+            f"-L{BUILD / 'library'}",
+            "-lhausbench",
+            f"-Wl,-rpath,{BUILD / 'library'}",
+            "-o",
+            folder / "read",
+        ],
+        check=True,
+    )
     return folder / "read"
 
 
 def run(words: list[str | Path]) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "HAUSBENCH_ROOT": str(ROOT)}
-    return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=120, cwd=INPUTS, env=environment)
+    return subprocess.run(
+        list(map(str, words)),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=INPUTS,
+        env=environment,
+    )
 
 
 def by_program(known: Known) -> subprocess.CompletedProcess[str]:
-    options = [f"--{name.replace('_', '-')}" + ("" if value == "yes" else f"={value}") for name, value in known.options.items()]
-    done = run([BUILD / "hausbench", "measure", known.a, known.b, "--json", *([] if known.directed else ["--symmetric"]), *options])
+    options = [
+        f"--{name.replace('_', '-')}" + ("" if value == "yes" else f"={value}")
+        for name, value in known.options.items()
+    ]
+    done = run(
+        [
+            BUILD / "hausbench",
+            "measure",
+            known.a,
+            known.b,
+            "--json",
+            *([] if known.directed else ["--symmetric"]),
+            *options,
+        ]
+    )
     if done.returncode == 0:
         answer = json.loads(done.stdout)
         done.stdout = f"{answer['lower']!r} {answer['upper']!r}"
@@ -148,11 +204,29 @@ def by_program(known: Known) -> subprocess.CompletedProcess[str]:
 
 
 def by_c(known: Known, program: Path) -> subprocess.CompletedProcess[str]:
-    return run([program, known.a, known.b, str(int(known.directed)), *(known.options.get(name, "") for name in ("columns", "unit", "drop_invalid"))])
+    return run(
+        [
+            program,
+            known.a,
+            known.b,
+            str(int(known.directed)),
+            *(known.options.get(name, "") for name in ("columns", "unit", "drop_invalid")),
+        ]
+    )
 
 
 def by_python(known: Known) -> subprocess.CompletedProcess[str]:
-    return run([sys.executable, "-c", PYTHON, known.a, known.b, str(int(known.directed)), json.dumps(known.options)])
+    return run(
+        [
+            sys.executable,
+            "-c",
+            PYTHON,
+            known.a,
+            known.b,
+            str(int(known.directed)),
+            json.dumps(known.options),
+        ]
+    )
 
 
 def check(known: Known, done: subprocess.CompletedProcess[str]) -> None:
@@ -183,7 +257,9 @@ def test_python_reads_it_right(known: Known) -> None:
 
 
 @pytest.mark.parametrize("name, what, advice", UNREAD)
-def test_what_is_not_read_is_named_with_advice(tmp_path: Path, c_program: Path, name: str, what: str, advice: str) -> None:
+def test_what_is_not_read_is_named_with_advice(
+    tmp_path: Path, c_program: Path, name: str, what: str, advice: str
+) -> None:
     file = tmp_path / name
     file.write_bytes(b"not what the name says")
     known = Known(str(file), BOX, refused=(name, what, advice))
@@ -192,8 +268,12 @@ def test_what_is_not_read_is_named_with_advice(tmp_path: Path, c_program: Path, 
 
 
 def test_a_kind_is_told_by_its_first_bytes_whatever_the_name_says(tmp_path: Path) -> None:
-    for name, begin, what in [("a.obj", b"ISO-10303-21;\n", "STEP"), ("a.stl", b"PK\x03\x04 and more", "ZIP"), ("a.xyz", b"LASF\x00", "LAS"),
-                              ("a.ply", b"\x89PNG\r\n", "picture")]:
+    for name, begin, what in [
+        ("a.obj", b"ISO-10303-21;\n", "STEP"),
+        ("a.stl", b"PK\x03\x04 and more", "ZIP"),
+        ("a.xyz", b"LASF\x00", "LAS"),
+        ("a.ply", b"\x89PNG\r\n", "picture"),
+    ]:
         file = tmp_path / name
         file.write_bytes(begin)
         known = Known(str(file), BOX, refused=(name, what))

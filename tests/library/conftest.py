@@ -12,7 +12,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(scope="session")
 def build() -> Path:
-    return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench")).parent
+    return Path(
+        os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench")
+    ).parent
 
 
 @pytest.fixture(scope="session")

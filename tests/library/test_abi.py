@@ -1,5 +1,6 @@
-"""The interface of libhausbench.so is the recorded one: symbols, all that hausbench.h declares or defines, and the layout of each struct. `python3 tests/library/test_abi.py`
-prints what is recorded; write it to abi.txt only if old callers can bear the change (HAUSBENCH_INTERFACE in hausbench.h)."""
+"""The interface of libhausbench.so is the recorded one: symbols, all that hausbench.h declares or
+defines, and the layout of each struct. `python3 tests/library/test_abi.py` prints what is recorded;
+write it to abi.txt only if old callers can bear the change (HAUSBENCH_INTERFACE in hausbench.h)."""
 
 from __future__ import annotations
 
@@ -33,7 +34,10 @@ def layout(header: str, folder: Path) -> list[str]:
     lines = ["#include <stdio.h>", '#include "changed.h"', "int main(void) {"]
     for name, body in STRUCT.findall(text):
         lines.append(f'printf("struct {name} %zu\\n", sizeof({name}));')
-        lines += [f'printf("  {member} at %zu, %zu bytes\\n", offsetof({name}, {member}), sizeof((({name}*)0)->{member}));' for member in members(body)]
+        lines += [
+            f'printf("  {member} at %zu, %zu bytes\\n", offsetof({name}, {member}), sizeof((({name}*)0)->{member}));'
+            for member in members(body)
+        ]
     lines.append("return 0; }")
     (folder / "changed.h").write_text(header)
     program = compiled(folder, "\n".join(lines) + "\n", f"-I{folder}")
@@ -41,10 +45,15 @@ def layout(header: str, folder: Path) -> list[str]:
 
 
 def declarations(header: str) -> list[str]:
-    """Returns all that a header declares or defines, in its order, one to a line, without comments and with single spaces."""
+    """Returns all that a header declares or defines, in its order, one to a line, without comments
+    and with single spaces."""
     found, open_text = [], ""
     for line in COMMENT.sub("", header).replace("\\\n", " ").splitlines():
-        if line.startswith("#") or line == 'extern "C" {' or (line == "}" and not open_text.strip()):
+        if (
+            line.startswith("#")
+            or line == 'extern "C" {'
+            or (line == "}" and not open_text.strip())
+        ):
             found.append(" ".join(line.split()))
             continue
         open_text = f"{open_text} {line}"
@@ -60,7 +69,11 @@ def symbols(library: Path) -> list[str]:
 
 
 def interface(header: str, library: Path, folder: Path) -> list[str]:
-    name = next(line.split("[")[1].rstrip("]") for line in run("readelf", "-d", library).stdout.splitlines() if "SONAME" in line)
+    name = next(
+        line.split("[")[1].rstrip("]")
+        for line in run("readelf", "-d", library).stdout.splitlines()
+        if "SONAME" in line
+    )
     return [f"name {name}", *symbols(library), *declarations(header), *layout(header, folder)]
 
 
@@ -68,32 +81,51 @@ def test_the_interface_is_the_recorded_one(library: Path, tmp_path: Path) -> Non
     assert interface(HEADER.read_text(), library, tmp_path) == RECORDED.read_text().splitlines()
 
 
-@pytest.mark.parametrize(("before", "after"), [
-    ("double lower, upper;", "double upper, lower;"),
-    ("int32_t relative_to;", "int64_t relative_to;"),
-    ("int64_t target_row;", "int64_t target_row; int64_t middle_row;"),
-    ("int32_t accepted;", "float accepted;  int32_t other;"),
-    ("double diagonal;", "int64_t diagonal;"),
-    ("HAUSBENCH_WITHIN = 1,", "HAUSBENCH_WITHIN = 7,"),
-    ("sizeof(hausbench_error), 0, 0, -1, { 0 }", "sizeof(hausbench_error), 0, 0, 0, { 0 }"),
-    ("#define HAUSBENCH_INTERFACE 1", "#define HAUSBENCH_INTERFACE 2"),
-    ("typedef struct hausbench_chain hausbench_chain;", "typedef struct hausbench_pair hausbench_chain;"),
-    ("hausbench_within(hausbench_pair* pair, int32_t symmetric, double length,", "hausbench_within(hausbench_pair* pair, int32_t symmetric, float length,"),
-])
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("double lower, upper;", "double upper, lower;"),
+        ("int32_t relative_to;", "int64_t relative_to;"),
+        ("int64_t target_row;", "int64_t target_row; int64_t middle_row;"),
+        ("int32_t accepted;", "float accepted;  int32_t other;"),
+        ("double diagonal;", "int64_t diagonal;"),
+        ("HAUSBENCH_WITHIN = 1,", "HAUSBENCH_WITHIN = 7,"),
+        ("sizeof(hausbench_error), 0, 0, -1, { 0 }", "sizeof(hausbench_error), 0, 0, 0, { 0 }"),
+        ("#define HAUSBENCH_INTERFACE 1", "#define HAUSBENCH_INTERFACE 2"),
+        (
+            "typedef struct hausbench_chain hausbench_chain;",
+            "typedef struct hausbench_pair hausbench_chain;",
+        ),
+        (
+            "hausbench_within(hausbench_pair* pair, int32_t symmetric, double length,",
+            "hausbench_within(hausbench_pair* pair, int32_t symmetric, float length,",
+        ),
+    ],
+)
 def test_a_planted_change_is_found(before: str, after: str, library: Path, tmp_path: Path) -> None:
     header = HEADER.read_text()
     assert header.count(before) == 1
-    assert interface(header.replace(before, after), library, tmp_path) != RECORDED.read_text().splitlines()
+    assert (
+        interface(header.replace(before, after), library, tmp_path)
+        != RECORDED.read_text().splitlines()
+    )
 
 
 def test_every_declared_function_is_exported_and_no_other(library: Path) -> None:
-    declared = {re.search(r"(\w+)\(", one)[1] for one in declarations(HEADER.read_text())  # type: ignore[index]
-                if one.startswith("HAUSBENCH_API ")}
-    exported = {line.split()[-1].split("@")[0] for line in symbols(library) if not line.startswith("A ")}  # A: a version
+    declared = {
+        re.search(r"(\w+)\(", one)[1]  # type: ignore[index]
+        for one in declarations(HEADER.read_text())
+        if one.startswith("HAUSBENCH_API ")
+    }
+    exported = {
+        line.split()[-1].split("@")[0] for line in symbols(library) if not line.startswith("A ")
+    }  # A: a version
     assert declared == exported
 
 
-@pytest.mark.parametrize(("compiler", "standard"), [("cc", "c99"), ("cc", "c11"), ("g++", "c++98"), ("g++", "c++20")])
+@pytest.mark.parametrize(
+    ("compiler", "standard"), [("cc", "c99"), ("cc", "c11"), ("g++", "c++98"), ("g++", "c++20")]
+)
 def test_the_header_is_pedantic(compiler: str, standard: str, tmp_path: Path) -> None:
     source = "#include <hausbench.h>\nint main(void) { hausbench_query q = HAUSBENCH_QUERY_INIT; return q.threads - 1; }\n"
     extra = ["-Wno-long-long", "-Wno-missing-field-initializers"] if compiler == "g++" else []
@@ -102,5 +134,9 @@ def test_the_header_is_pedantic(compiler: str, standard: str, tmp_path: Path) ->
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        built = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "build" / "release" / "library" / "libhausbench.so"
+        built = (
+            Path(sys.argv[1])
+            if len(sys.argv) > 1
+            else ROOT / "build" / "release" / "library" / "libhausbench.so"
+        )
         print("\n".join(interface(HEADER.read_text(), built, Path(scratch))))

@@ -18,27 +18,59 @@ INTERVAL = re.compile(r"h\(A,B\) in \[(\S+), (\S+)\]")
 def mesh(seed: int, triangles: int, file: Path, size: float = 1) -> Path:
     numbers = random.Random(seed)
     lines = ["OFF", f"{3 * triangles} {triangles} 0"]
-    lines += [" ".join(repr(numbers.uniform(-size, size)) for _ in range(3)) for _ in range(3 * triangles)]
+    lines += [
+        " ".join(repr(numbers.uniform(-size, size)) for _ in range(3)) for _ in range(3 * triangles)
+    ]
     lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(triangles)]
     file.write_text("\n".join(lines) + "\n")
     return file
 
 
 @pytest.fixture(scope="module", params=["c", "rust"])
-def example(request: pytest.FixtureRequest, library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def example(
+    request: pytest.FixtureRequest, library: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     program = tmp_path_factory.mktemp("example") / "directed"
     if request.param == "c":
-        done = run("cc", "-std=c99", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'library'}", EXAMPLES / "directed.c", "-o", program,
-                   f"-L{library.parent}", "-lhausbench")
+        done = run(
+            "cc",
+            "-std=c99",
+            "-pedantic-errors",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            f"-I{ROOT / 'library'}",
+            EXAMPLES / "directed.c",
+            "-o",
+            program,
+            f"-L{library.parent}",
+            "-lhausbench",
+        )
     else:
-        done = run(found("rustc"), "-O", "-D", "warnings", EXAMPLES / "directed.rs", "-o", program, "-L", library.parent, "-l", "hausbench")
+        done = run(
+            found("rustc"),
+            "-O",
+            "-D",
+            "warnings",
+            EXAMPLES / "directed.rs",
+            "-o",
+            program,
+            "-L",
+            library.parent,
+            "-l",
+            "hausbench",
+        )
     assert done.returncode == 0, done.stderr
     return program
 
 
-def test_it_prints_the_bits_of_the_program(example: Path, library: Path, build: Path, tmp_path: Path) -> None:
+def test_it_prints_the_bits_of_the_program(
+    example: Path, library: Path, build: Path, tmp_path: Path
+) -> None:
     for seed in range(8):
-        a, b = mesh(seed, 9, tmp_path / "a.off"), mesh(100 + seed, 20, tmp_path / "b.off", 1 + 50 * (seed % 2))
+        a, b = mesh(seed, 9, tmp_path / "a.off"), mesh(
+            100 + seed, 20, tmp_path / "b.off", 1 + 50 * (seed % 2)
+        )
         done = run(example, a, b, library=library)
         assert done.returncode == 0, done.stderr
         bounds = INTERVAL.search(done.stdout)

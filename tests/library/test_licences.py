@@ -1,5 +1,6 @@
-"""Everything that is compiled or linked into libhausbench.so has a licence in licences.toml, and no header of CGAL is under the GPL. The linker's map names the object files,
-and ninja the headers of each."""
+"""Everything that is compiled or linked into libhausbench.so has a licence in licences.toml, and no
+header of CGAL is under the GPL. The linker's map names the object files, and ninja the headers of
+each."""
 
 from __future__ import annotations
 
@@ -24,13 +25,22 @@ SPDX = re.compile(r"SPDX-License-Identifier: (.*)")
 def files_of(package: str) -> frozenset[str]:
     """Returns the files of a Debian package for every architecture that it is installed for."""
     query = ["dpkg-query", "--show", "--showformat=${db-fsys:Files}", package]
-    return frozenset(map(str.strip, subprocess.run(query, capture_output=True, text=True, check=True).stdout.splitlines()))
+    return frozenset(
+        map(
+            str.strip,
+            subprocess.run(query, capture_output=True, text=True, check=True).stdout.splitlines(),
+        )
+    )
 
 
 def entry_of(header: str) -> dict[str, Any] | None:
     """Returns the first entry that fits a header."""
     for entry in TABLE["header"]:
-        if fnmatchcase(header, entry["path"] + "*") if "path" in entry else header in files_of(entry["package"]):
+        if (
+            fnmatchcase(header, entry["path"] + "*")
+            if "path" in entry
+            else header in files_of(entry["package"])
+        ):
             return dict(entry)
     return None
 
@@ -47,12 +57,18 @@ def headers(build: Path) -> dict[str, set[str]]:
     wanted = linked_objects(build)
     members = {name.split("(")[1].rstrip(")") for name in wanted if "(" in name}
     found: dict[str, set[str]] = {}
-    output = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
+    output = subprocess.run(
+        ["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True
+    ).stdout
     for block in output.split("\n\n"):
         first, *files = block.splitlines() or [""]
         name = first.split(":")[0]
         if name in wanted or (name.startswith("algorithms/") and Path(name).name in members):
-            outside = (file.strip() for file in files if file.strip().startswith("/") and not file.strip().startswith(str(ROOT)))
+            outside = (
+                file.strip()
+                for file in files
+                if file.strip().startswith("/") and not file.strip().startswith(str(ROOT))
+            )
             found[name] = {str(Path(file).resolve()) for file in outside}
     return found
 
@@ -75,30 +91,55 @@ def test_no_header_is_under_the_gpl(included: dict[str, set[str]]) -> None:
     """Each header of CGAL names its own licence."""
     seen = {header for some in included.values() for header in some if "/CGAL/" in header}
     assert len(seen) > 100
-    named = {header: match[1] for header in seen if (match := SPDX.search(Path(header).read_text(errors="replace")))}
-    assert {header: text for header, text in named.items() if not text.startswith(("LGPL", "MIT", "BSL"))} == {}
+    named = {
+        header: match[1]
+        for header in seen
+        if (match := SPDX.search(Path(header).read_text(errors="replace")))
+    }
+    assert {
+        header: text
+        for header, text in named.items()
+        if not text.startswith(("LGPL", "MIT", "BSL"))
+    } == {}
 
 
 def test_only_the_checker_needs_cgal(included: dict[str, set[str]]) -> None:
     """So HAUSBENCH_WITH_CHECKER=OFF leaves it out."""
     checker = ("hausbench_checker.dir", "datasets/hash.cpp.o")
-    others = {f"{name}: {header}" for name, some in included.items() if not any(part in name for part in checker) for header in some
-              if (entry_of(header) or {}).get("checker")}
+    others = {
+        f"{name}: {header}"
+        for name, some in included.items()
+        if not any(part in name for part in checker)
+        for header in some
+        if (entry_of(header) or {}).get("checker")
+    }
     assert others == set()
 
 
 def test_every_library_has_a_licence(library: Path, build: Path) -> None:
     needed = set(re.findall(r"NEEDED.*\[(.*)\]", run("readelf", "-d", library).stdout))
     # Objects and archives of the compiler and of other packages are linked by their full paths.
-    needed |= {Path(name.split("(")[0]).name for name in linked_objects(build) if name.startswith("/")}
-    assert {name for name in needed if not any(fnmatchcase(name, entry["name"]) for entry in TABLE["library"])} == set(), "list them in licences.toml"
-    assert not [line for line in run("ldd", library).stdout.splitlines() if any(heavy in line for heavy in HEAVY)]
+    needed |= {
+        Path(name.split("(")[0]).name for name in linked_objects(build) if name.startswith("/")
+    }
+    assert {
+        name
+        for name in needed
+        if not any(fnmatchcase(name, entry["name"]) for entry in TABLE["library"])
+    } == set(), "list them in licences.toml"
+    assert not [
+        line
+        for line in run("ldd", library).stdout.splitlines()
+        if any(heavy in line for heavy in HEAVY)
+    ]
 
 
 def test_a_gpl_solver_is_not_linked(build: Path) -> None:
     linked = " ".join(linked_objects(build))
     assert "cover" in linked
-    assert [name for name in ("penetration", "cgal", "surfaces", "plugin.cpp") if name in linked] == []
+    assert [
+        name for name in ("penetration", "cgal", "surfaces", "plugin.cpp") if name in linked
+    ] == []
 
 
 def test_an_unlisted_header_is_found() -> None:

@@ -1,4 +1,5 @@
-"""hausbench.hpp is plain C++17 and reaches every function of hausbench.h; wrapper_test.cpp tests what it does."""
+"""hausbench.hpp is plain C++17 and reaches every function of hausbench.h; wrapper_test.cpp tests
+what it does."""
 
 from __future__ import annotations
 
@@ -11,8 +12,13 @@ from c_library import HEADER, compiled, found, run
 
 WRAPPER = HEADER.with_suffix(".hpp").read_text()
 # Functions that it has no need of, and why.
-NOT_CALLED = {"hausbench_read": "hausbench_read_with", "hausbench_shape_of": "hausbench_shape_stating", "hausbench_verify": "hausbench_verify_posed",
-              "hausbench_version": "needs no C++", "hausbench_interface": "needs no C++"}
+NOT_CALLED = {
+    "hausbench_read": "hausbench_read_with",
+    "hausbench_shape_of": "hausbench_shape_stating",
+    "hausbench_verify": "hausbench_verify_posed",
+    "hausbench_version": "needs no C++",
+    "hausbench_interface": "needs no C++",
+}
 
 
 def test_every_function_is_reached() -> None:
@@ -24,7 +30,9 @@ def test_every_function_is_reached() -> None:
 
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 @pytest.mark.parametrize("standard", ["c++17", "c++20"])
-def test_it_compiles_without_a_warning(compiler: str, standard: str, library: Path, tmp_path: Path) -> None:
+def test_it_compiles_without_a_warning(
+    compiler: str, standard: str, library: Path, tmp_path: Path
+) -> None:
     """As in a user's project, where -I makes its warnings the user's."""
     source = """#include <hausbench.hpp>
 hausbench::Answer distance(const std::vector<std::array<float, 3>>& a, const double* b, std::size_t rows) {
@@ -35,6 +43,22 @@ int main() {
     return distance({{3, 4, 0}}, origin, 1).bounds.upper >= 5 ? 0 : 1;
 }
 """
-    strict = ["-pedantic-errors", "-Wshadow", "-Wconversion", "-Wold-style-cast", "-Wnon-virtual-dtor", "-Woverloaded-virtual"]
-    program = compiled(tmp_path, source, f"-std={standard}", *strict, f"-L{library.parent}", "-Wl,--no-as-needed", "-lhausbench", compiler=found(compiler))
+    strict = [
+        "-pedantic-errors",
+        "-Wshadow",
+        "-Wconversion",
+        "-Wold-style-cast",
+        "-Wnon-virtual-dtor",
+        "-Woverloaded-virtual",
+    ]
+    program = compiled(
+        tmp_path,
+        source,
+        f"-std={standard}",
+        *strict,
+        f"-L{library.parent}",
+        "-Wl,--no-as-needed",
+        "-lhausbench",
+        compiler=found(compiler),
+    )
     assert run(program, library=library).returncode == 0

@@ -1,4 +1,5 @@
-"""The fixtures of these tests. They are in program.py, beside what tests import: several folders have a module named conftest."""
+"""The fixtures of these tests. They are in program.py, beside what tests import: several folders
+have a module named conftest."""
 
 from program import experiment, hausbench, outside, plugin, program_file, raised, tetrahedron
 

@@ -2,8 +2,8 @@
 
     external_peer.py A B TOLERANCE [deed]
 
-Prints `lower`, the largest distance from a vertex of A to B, and `upper`, from the best triangle of B for each triangle of A.
-A `deed` is a way to misbehave.
+Prints `lower`, the largest distance from a vertex of A to B, and `upper`, from the best triangle of
+B for each triangle of A. A `deed` is a way to misbehave.
 """
 
 from __future__ import annotations
@@ -24,12 +24,16 @@ def read(path: Path) -> tuple[Floats, npt.NDArray[np.int64]]:
     lines = path.read_text().splitlines()
     if path.suffix == ".obj":
         points = [line.split()[1:] for line in lines if line.startswith("v ")]
-        faces = [[int(corner) - 1 for corner in line.split()[1:]] for line in lines if line.startswith("f ")]
+        faces = [
+            [int(corner) - 1 for corner in line.split()[1:]]
+            for line in lines
+            if line.startswith("f ")
+        ]
     else:
         assert lines[0] == "OFF"
         n, m, _ = map(int, lines[1].split())
-        points = [line.split() for line in lines[2:2 + n]]
-        faces = [[int(corner) for corner in line.split()[1:]] for line in lines[2 + n:2 + n + m]]
+        points = [line.split() for line in lines[2 : 2 + n]]
+        faces = [[int(corner) for corner in line.split()[1:]] for line in lines[2 + n : 2 + n + m]]
     vertices = np.array(points, dtype=np.float64)
     return vertices, np.array(faces or [[i, i, i] for i in range(len(vertices))], dtype=np.int64)
 

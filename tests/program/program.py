@@ -24,9 +24,16 @@ class Program:
         self.path = path
         self.folder = folder
 
-    def __call__(self, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    def __call__(
+        self, *arguments: str | Path, timeout: float = 120
+    ) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            self.command(*arguments), cwd=self.folder, env=self.environment(), capture_output=True, text=True, timeout=timeout
+            self.command(*arguments),
+            cwd=self.folder,
+            env=self.environment(),
+            capture_output=True,
+            text=True,
+            timeout=timeout,
         )
 
     def command(self, *arguments: str | Path) -> list[str]:
@@ -36,7 +43,8 @@ class Program:
         return {**os.environ, "HAUSBENCH_ROOT": str(ROOT)}
 
     def fails(self, *arguments: str | Path) -> str:
-        """Runs the program on bad input, and returns its one line of error. Expects exit code 2 and an empty standard output."""
+        """Runs the program on bad input, and returns its one line of error. Expects exit code 2 and
+        an empty standard output."""
         done = self(*arguments)
         assert done.returncode == 2, (done.returncode, done.stdout, done.stderr)
         assert done.stdout == ""
@@ -72,7 +80,9 @@ def tetrahedron(tmp_path: Path) -> Path:
 def raised(tmp_path: Path) -> Path:
     """The tetrahedron, raised by 0.25."""
     file = tmp_path / "raised.off"
-    file.write_text("OFF\n4 4 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+    file.write_text(
+        "OFF\n4 4 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+    )
     return file
 
 
@@ -99,20 +109,22 @@ def experiment(tmp_path: Path) -> Path:
     return file
 
 
-
 SOURCES = ROOT / "tests" / "outside_plugin"
 RECIPE = ["cmake", "-S", "sources", "-B", "build", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
 
 
 def built(command: list[str | Path], folder: Path) -> str:
-    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600)
+    done = subprocess.run(
+        list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
 @pytest.fixture(scope="session")
 def outside(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns the folder of the plug-ins, built once per test run against the files that `cmake --install` installs."""
+    """Returns the folder of the plug-ins, built once per test run against the files that `cmake
+    --install` installs."""
     shared = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:  # workers of a parallel run share one folder
         shared = shared.parent
@@ -153,5 +165,6 @@ name = "guthe"
 
 
 def head(case_seconds: float = 60) -> str:
-    """Returns the start of an experiment whose limits are so long that only a hanging solver reaches them, even on a busy machine."""
+    """Returns the start of an experiment whose limits are so long that only a hanging solver
+    reaches them, even on a busy machine."""
     return HEAD.replace("CASE_SECONDS", str(case_seconds))

@@ -1,4 +1,5 @@
-"""Bad input ends with exit code 2 and one line that names the file, the place and the remedy. No file is written or lost."""
+"""Bad input ends with exit code 2 and one line that names the file, the place and the remedy. No
+file is written or lost."""
 
 from __future__ import annotations
 
@@ -47,19 +48,30 @@ def test_missing_file_and_folder(hausbench: Program, tetrahedron: Path, tmp_path
 
 @pytest.mark.parametrize("tolerance", ["0", "-1e-3", "nan", "inf"])
 def test_nonsense_tolerance(hausbench: Program, tetrahedron: Path, tolerance: str) -> None:
-    assert "--tolerance" in hausbench.fails("measure", tetrahedron, tetrahedron, f"--tolerance={tolerance}")
+    assert "--tolerance" in hausbench.fails(
+        "measure", tetrahedron, tetrahedron, f"--tolerance={tolerance}"
+    )
 
 
-def test_unknown_solver_and_parameter_name_the_nearest(hausbench: Program, tetrahedron: Path) -> None:
+def test_unknown_solver_and_parameter_name_the_nearest(
+    hausbench: Program, tetrahedron: Path
+) -> None:
     assert "guthe" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "guhte")
-    line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "guthe", "--set", "nonsense=3")
+    line = hausbench.fails(
+        "measure", tetrahedron, tetrahedron, "--solver", "guthe", "--set", "nonsense=3"
+    )
     assert "nonsense" in line
-    assert "takes no mesh" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "naive")
+    assert "takes no mesh" in hausbench.fails(
+        "measure", tetrahedron, tetrahedron, "--solver", "naive"
+    )
 
 
 BAD_EXPERIMENTS = {
     'title = "a\\u0000b"\n': ("NUL", "title"),
-    "cutoff = 9007199254740993": ("'cutoff' is 9007199254740993, which is not a double", "write 9007199254740992"),
+    "cutoff = 9007199254740993": (
+        "'cutoff' is 9007199254740993, which is not a double",
+        "write 9007199254740992",
+    ),
     "repeat = 1": ("unknown key 'repeat'", "repeats"),
     "repeats = -1": ("'repeats'", "an integer"),
     "of = 'diagnoal'": ("'of'", "diagonal"),
@@ -73,30 +85,65 @@ BAD_EXPERIMENTS = {
     "[profile.quick]\nscene = 5": ("tiny.toml:15", "[[scene]]"),
     "[profile.quick.scene]\nname = 'x'": ("tiny.toml:14", "[[scene]]"),
     "[profile.paper]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
-    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # names the line in the profile, not the overridden one
-    "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": ("names the solver itself", "tiny.toml:16"),
-    "[[solver]]\nname = 'external'\nparameters = { command = 5 }": ("'command'", "5 is not a text; give a text"),
+    "[profile.quick]\ntolerances = [nan]": (
+        "tiny.toml:15",
+        "'tolerances'",
+    ),  # names the line in the profile, not the overridden one
+    "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": (
+        "names the solver itself",
+        "tiny.toml:16",
+    ),
+    "[[solver]]\nname = 'external'\nparameters = { command = 5 }": (
+        "'command'",
+        "5 is not a text; give a text",
+    ),
     "[[solver]]\nname = 'external'": ("'command'", "tiny.toml:14"),
-    "[[solver]]\nname = 'external'\nparameters = { command = 'x {A} {B}' }": ("neither 'lower' nor 'upper'", "tiny.toml:16"),
+    "[[solver]]\nname = 'external'\nparameters = { command = 'x {A} {B}' }": (
+        "neither 'lower' nor 'upper'",
+        "tiny.toml:16",
+    ),
     "[[solver]]\nname = 'guhte'": ("guhte", "guthe"),
     "[[solver]]\nname = 'earlybreak'\nparameters = { sede = 1 }": ("sede", "seed"),
     "[[solver]]\nname = 'earlybreak'\nparameters = { seed = 'one' }": ("seed", "an integer"),
     "[[solver]]\nname = 'cgal'\nscenes = ['sphere']": ("unknown scene 'sphere'", "spheres"),
     "[[scene]]\nname = 'x'\nsource = 'sphree1'\ntarget = 'sphere1'": ("sphree1", "sphere1"),
-    "[[scene]]\nname = 'spheres'\nsource = 'sphere1'\ntarget = 'sphere1'": ("two scenes named 'spheres'", "rename"),
-    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'spin' }": ("unknown motion", "static"),
+    "[[scene]]\nname = 'spheres'\nsource = 'sphere1'\ntarget = 'sphere1'": (
+        "two scenes named 'spheres'",
+        "rename",
+    ),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'spin' }": (
+        "unknown motion",
+        "static",
+    ),
     "tolerances = [": ("tiny.toml:", ""),
-    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = -1": ("'exact'", "below 0"),
-    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 'one'": ("'exact'", "number"),
-    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 1\nmotion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 2 }":
-        ("'exact'", "one pose"),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = -1": (
+        "'exact'",
+        "below 0",
+    ),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 'one'": (
+        "'exact'",
+        "number",
+    ),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 1\nmotion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 2 }": (
+        "'exact'",
+        "one pose",
+    ),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 2 }\n"
-    "target_motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 3 }": ("'target_motion' 3", "make one static"),
+    "target_motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 3 }": (
+        "'target_motion' 3",
+        "make one static",
+    ),
     "[[solver]]\nname = 'naive'\nwarm = true": ("'warm'", "carries nothing"),
     "limits = { memory_mb = 1e15 }": ("'memory_mb'", "at most"),
     "limits = { case_seconds = 1e15 }": ("'case_seconds'", "at most"),
-    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nprofiles = ['papr']": ("unknown profile 'papr'", "paper"),
-    "[[solver]]\nname = 'guthe'\nparameters = { kernel = 'robsut' }": ("robsut", "did you mean 'robust'"),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nprofiles = ['papr']": (
+        "unknown profile 'papr'",
+        "paper",
+    ),
+    "[[solver]]\nname = 'guthe'\nparameters = { kernel = 'robsut' }": (
+        "robsut",
+        "did you mean 'robust'",
+    ),
 }
 
 
@@ -107,7 +154,13 @@ def test_bad_experiment(hausbench: Program, experiment: Path, tmp_path: Path, te
     if text.startswith("["):
         whole = EXPERIMENT + "\n" + text + "\n"
     else:
-        whole = "".join(line for line in head.splitlines(True) if not line.startswith(key + " ")) + text + "\n" + scene + rest
+        whole = (
+            "".join(line for line in head.splitlines(True) if not line.startswith(key + " "))
+            + text
+            + "\n"
+            + scene
+            + rest
+        )
     experiment.write_text(whole)
     line = hausbench.fails("run", experiment, "--results", tmp_path / "results")
     for part in BAD_EXPERIMENTS[text]:
@@ -117,8 +170,12 @@ def test_bad_experiment(hausbench: Program, experiment: Path, tmp_path: Path, te
 
 
 def test_unknown_profile_scene_solver(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    assert "quick" in hausbench.fails("run", experiment, "--profile", "quikc", "--results", tmp_path)
-    assert "spheres" in hausbench.fails("run", experiment, "--scene", "sphere", "--results", tmp_path)
+    assert "quick" in hausbench.fails(
+        "run", experiment, "--profile", "quikc", "--results", tmp_path
+    )
+    assert "spheres" in hausbench.fails(
+        "run", experiment, "--scene", "sphere", "--results", tmp_path
+    )
     assert "guthe" in hausbench.fails("run", experiment, "--solver", "cgall", "--results", tmp_path)
     # --solver takes one value; the next word is the experiment.
     for verb in ("run", "explain"):
@@ -127,12 +184,20 @@ def test_unknown_profile_scene_solver(hausbench: Program, experiment: Path, tmp_
 
 
 def test_a_profile_with_nothing_in_it(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    experiment.write_text(EXPERIMENT.replace('name = "spheres"', 'name = "spheres"\nprofiles = ["paper"]'))
-    assert "no [[scene]] is left in profile 'quick'" in hausbench.fails("run", experiment, "--results", tmp_path)
+    experiment.write_text(
+        EXPERIMENT.replace('name = "spheres"', 'name = "spheres"\nprofiles = ["paper"]')
+    )
+    assert "no [[scene]] is left in profile 'quick'" in hausbench.fails(
+        "run", experiment, "--results", tmp_path
+    )
     experiment.write_text(EXPERIMENT + 'profiles = ["paper"]\n')
     assert "no [[solver]] is left" in hausbench.fails("run", experiment, "--results", tmp_path)
-    # A solver whose only scene is not in this profile is left out: it does not run on the other scenes.
-    experiment.write_text(EXPERIMENT.replace("[[solver]]", """[[scene]]
+    # A solver whose only scene is not in this profile is left out: it does not run on the other
+    # scenes.
+    experiment.write_text(
+        EXPERIMENT.replace(
+            "[[solver]]",
+            """[[scene]]
 name = "large"
 source = "sphere3"
 target = "sphere3"
@@ -142,7 +207,9 @@ profiles = ["paper"]
 name = "cgal"
 scenes = ["large"]
 
-[[solver]]"""))
+[[solver]]""",
+        )
+    )
     done = hausbench("run", experiment, "--results", tmp_path)
     assert done.returncode == 0, done.stderr
     assert "1 ok" in done.stdout
@@ -152,8 +219,12 @@ def test_command_lines(hausbench: Program, tetrahedron: Path) -> None:
     assert "'measure'" in hausbench.fails("mesure")
     assert "no verb" in hausbench.fails()
     assert "diagonal" in hausbench.fails("measure", tetrahedron, tetrahedron, "--of", "diagnoal")
-    assert "--tolerance" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerance", "abc")
-    assert "did you mean '--tolerance'" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerence", "1")
+    assert "--tolerance" in hausbench.fails(
+        "measure", tetrahedron, tetrahedron, "--tolerance", "abc"
+    )
+    assert "did you mean '--tolerance'" in hausbench.fails(
+        "measure", tetrahedron, tetrahedron, "--tolerence", "1"
+    )
     assert "name two shapes" in hausbench.fails("measure", tetrahedron)
     assert hausbench("--help").returncode == 0 and hausbench("measure", "--help").returncode == 0
 
@@ -169,13 +240,21 @@ def test_a_remedy_that_exists(hausbench: Program, tetrahedron: Path, tmp_path: P
     # Points and meshes can be combined, because a point is a degenerate triangle.
     for source, target, answer in ((tetrahedron, points, 1.0), (points, tetrahedron, 0.0)):
         done = hausbench("measure", source, target, "--json")
-        assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(answer), done.stderr
+        assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(
+            answer
+        ), done.stderr
     surface = tmp_path / "ball.surface.toml"
     surface.write_text('polynomial = "x^2 + y^2 + z^2 - 1"\nbox = [[-2, 2], [-2, 2], [-2, 2]]\n')
     assert "two files of one kind" in hausbench.fails("measure", tetrahedron, surface)
 
 
-def test_folders_that_cannot_be(hausbench: Program, experiment: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folders_that_cannot_be(
+    hausbench: Program,
+    experiment: Path,
+    tetrahedron: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     file = tmp_path / "file"
     file.write_text("")
     for folder in (file, file / "below", Path("/proc/folder")):
@@ -189,14 +268,24 @@ def test_folders_that_cannot_be(hausbench: Program, experiment: Path, tetrahedro
         assert "TMPDIR" in hausbench.fails("measure", tetrahedron, tetrahedron)
         assert "TMPDIR" in hausbench.fails("run", experiment, "--results", tmp_path)
     environment = {**hausbench.environment(), "HAUSBENCH_ROOT": str(tmp_path)}
-    done = subprocess.run(hausbench.command("list"), env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        hausbench.command("list"), env=environment, capture_output=True, text=True, timeout=60
+    )
     assert done.returncode == 2 and "HAUSBENCH_ROOT" in done.stderr
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can hide /proc")
 def test_without_proc(program_file: str, tetrahedron: Path) -> None:
     hidden = 'mount -t tmpfs none /proc && exec "$0" measure "$1" "$1"'
-    done = subprocess.run(["unshare", "--mount", "sh", "-c", hidden, program_file, tetrahedron], capture_output=True, text=True)
+    done = subprocess.run(
+        ["unshare", "--mount", "sh", "-c", hidden, program_file, tetrahedron],
+        capture_output=True,
+        text=True,
+    )
     if done.returncode != 0 and "hausbench: " not in done.stderr:
         pytest.skip(f"this root may not mount: {done.stderr}")
-    assert done.returncode == 2 and done.stderr.startswith("hausbench: /proc/self/exe: ") and "mount -t proc" in done.stderr
+    assert (
+        done.returncode == 2
+        and done.stderr.startswith("hausbench: /proc/self/exe: ")
+        and "mount -t proc" in done.stderr
+    )

@@ -1,4 +1,5 @@
-"""Compiler flags: code with proven bounds is compiled for directed rounding, and results record every flag."""
+"""Compiler flags: code with proven bounds is compiled for directed rounding, and results record
+every flag."""
 
 from __future__ import annotations
 
@@ -43,12 +44,17 @@ def test_libraries_with_directed_rounding_are_compiled_for_it(program_file: str)
 
 
 def test_the_program_does_not_load_libhwy(program_file: str) -> None:
-    """libhwy's initialiser measures a timer that some virtual machines hide; under valgrind the program then ends before main()."""
-    done = subprocess.run(["readelf", "--dynamic", program_file], capture_output=True, text=True, check=True)
+    """libhwy's initialiser measures a timer that some virtual machines hide; under valgrind the
+    program then ends before main()."""
+    done = subprocess.run(
+        ["readelf", "--dynamic", program_file], capture_output=True, text=True, check=True
+    )
     assert "(NEEDED)" in done.stdout and "libhwy" not in done.stdout
 
 
-def test_meta_has_every_flag_of_every_source(hausbench: Program, program_file: str, experiment: Path, tmp_path: Path) -> None:
+def test_meta_has_every_flag_of_every_source(
+    hausbench: Program, program_file: str, experiment: Path, tmp_path: Path
+) -> None:
     commands = Path(program_file).parent / "compile_commands.json"
     if not commands.exists():
         pytest.skip("the program was not built here")
@@ -60,7 +66,15 @@ def test_meta_has_every_flag_of_every_source(hausbench: Program, program_file: s
         if not library:
             continue
         file = str(Path(command["file"]).relative_to(ROOT))
-        given = {a for a in shlex.split(command["command"])[1:] if re.match(r"-(?!I|isystem$|o$|c$|M)", a)}
+        given = {
+            a
+            for a in shlex.split(command["command"])[1:]
+            if re.match(r"-(?!I|isystem$|o$|c$|M)", a)
+        }
         assert given == set(flags.get(file, flags[library]).split()), file
         seen.add(library)
-    assert seen == set(LIBRARIES) and "-ffp-contract=off" in flags["algorithms"] and "-frounding-math" in flags["harness"]
+    assert (
+        seen == set(LIBRARIES)
+        and "-ffp-contract=off" in flags["algorithms"]
+        and "-frounding-math" in flags["harness"]
+    )

@@ -55,15 +55,29 @@ def cut(edge: int, t: float, corner: int) -> bytes:
 
 
 @pytest.fixture
-def proof(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> Path:
+def proof(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path
+) -> Path:
     file = tmp_path / "proof"
-    done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--certificate", file)
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "vertex_only",
+        "--plugin",
+        plugin,
+        "--certificate",
+        file,
+    )
     assert done.returncode == 0, done.stderr
     assert f"proof      {file}: at most 0.25" in done.stdout
     return file
 
 
-def test_a_proof_is_written_and_accepted(hausbench: Program, proof: Path, tetrahedron: Path, raised: Path) -> None:
+def test_a_proof_is_written_and_accepted(
+    hausbench: Program, proof: Path, tetrahedron: Path, raised: Path
+) -> None:
     done = hausbench("verify", "--certificate", proof)
     assert done.returncode == 0, done.stdout + done.stderr
     lines = {line[:11].strip(): line[11:] for line in done.stdout.splitlines() if line[0] != " "}
@@ -77,28 +91,56 @@ def test_a_proof_is_written_and_accepted(hausbench: Program, proof: Path, tetrah
 
     # The file of A was moved, so verify must be given both names.
     moved = tetrahedron.rename(tetrahedron.with_name("moved.off"))
-    assert "moved.off" not in (line := hausbench.fails("verify", "--certificate", proof)) and "name A and B" in line
+    assert (
+        "moved.off" not in (line := hausbench.fails("verify", "--certificate", proof))
+        and "name A and B" in line
+    )
     assert hausbench("verify", "--certificate", proof, moved, raised).returncode == 0
     assert "is not the shape" in hausbench.fails("verify", "--certificate", proof, raised, moved)
 
 
-def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path) -> None:
+def test_both_directions(
+    hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path
+) -> None:
     spike = tmp_path / "spike.off"
     spike.write_text(tetrahedron.read_text().replace("0 0 1\n3", "0 0 3\n3", 1))
     for of in ("diagonal", "lower"):
         file = tmp_path / "both"
         asked = ("--symmetric", "--tolerance", "0.5", "--of", of)
-        done = hausbench("measure", tetrahedron, spike, "--solver", "vertex_only", "--plugin", plugin, "--json", *asked, "--certificate", file)
+        done = hausbench(
+            "measure",
+            tetrahedron,
+            spike,
+            "--solver",
+            "vertex_only",
+            "--plugin",
+            plugin,
+            "--json",
+            *asked,
+            "--certificate",
+            file,
+        )
         assert done.returncode == 0, done.stderr
         header, _ = read(file)
-        assert [c["direction"] for c in header["certificates"]] == ["source to target", "target to source"]
-        assert json.loads(done.stdout)["proven"] == max(c["proven"] for c in header["certificates"]) >= 2
+        assert [c["direction"] for c in header["certificates"]] == [
+            "source to target",
+            "target to source",
+        ]
+        assert (
+            json.loads(done.stdout)["proven"]
+            == max(c["proven"] for c in header["certificates"])
+            >= 2
+        )
         done = hausbench("verify", "--certificate", file)
         assert done.returncode == 0, done.stdout
         assert "\nh(A,B) " in done.stdout and "\nh(B,A) " in done.stdout
         # A proof of one direction does not prove H.
         header["certificates"].pop()
-        done = hausbench("verify", "--certificate", write(tmp_path / "half", (header, read(file)[1][: header["certificates"][0]["bytes"]])))
+        done = hausbench(
+            "verify",
+            "--certificate",
+            write(tmp_path / "half", (header, read(file)[1][: header["certificates"][0]["bytes"]])),
+        )
         assert done.returncode == 1 and "refused    H(A,B) takes" in done.stdout
 
 
@@ -127,9 +169,18 @@ def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path
     assert answer(leaves, proven=0.2499)[0] == 1
     assert "triangle 3, node 0: the certificate ends here" in answer(leaves[:3])[1]
     assert "triangle 3, node 0: the certificate ends here" in answer([cut(0, 0.5, 2), *leaves])[1]
-    assert "triangle 4, node 0: there are bytes after the last triangle" in answer([*leaves, leaves[0]])[1]
-    assert "triangle 2, node 0: a leaf names triangle 4 of 4 in the target" in answer([*leaves[:2], one(4), leaves[3]])[1]
-    assert "a cut is not between the ends of its edge" in answer([cut(0, float("nan"), 2), leaves[0], *leaves])[1]
+    assert (
+        "triangle 4, node 0: there are bytes after the last triangle"
+        in answer([*leaves, leaves[0]])[1]
+    )
+    assert (
+        "triangle 2, node 0: a leaf names triangle 4 of 4 in the target"
+        in answer([*leaves[:2], one(4), leaves[3]])[1]
+    )
+    assert (
+        "a cut is not between the ends of its edge"
+        in answer([cut(0, float("nan"), 2), leaves[0], *leaves])[1]
+    )
     assert "its format is not" in answer(leaves, format="another")[1]
     # The bound of the answer must be proven.
     code, said = answer(leaves, format="hausbench cover 1", proven=0.26)
@@ -140,7 +191,9 @@ def test_the_lower_bound_is_checked_too(hausbench: Program, proof: Path, tmp_pat
     header, rest = read(proof)
 
     def answer(**changes: Any) -> tuple[int, str]:
-        done = hausbench("verify", "--certificate", write(tmp_path / "mine", ({**header, **changes}, rest)))
+        done = hausbench(
+            "verify", "--certificate", write(tmp_path / "mine", ({**header, **changes}, rest))
+        )
         return done.returncode, done.stdout
 
     code, said = answer(lower=0.2500001, upper=0.26)
@@ -156,8 +209,23 @@ def test_the_lower_bound_is_checked_too(hausbench: Program, proof: Path, tmp_pat
     assert answer(witness={**header["witness"], "direction": "target to source"})[0] == 1
 
 
-@pytest.mark.parametrize("change", ["no header", "no line", "cut short", "too long", "huge", "negative", "version", "types", "quantity"])
-def test_files_that_are_no_certificates(hausbench: Program, proof: Path, tmp_path: Path, change: str) -> None:
+@pytest.mark.parametrize(
+    "change",
+    [
+        "no header",
+        "no line",
+        "cut short",
+        "too long",
+        "huge",
+        "negative",
+        "version",
+        "types",
+        "quantity",
+    ],
+)
+def test_files_that_are_no_certificates(
+    hausbench: Program, proof: Path, tmp_path: Path, change: str
+) -> None:
     header, rest = read(proof)
     size = header["certificates"][0]
     bad = tmp_path / "bad"
@@ -188,46 +256,107 @@ def test_a_changed_byte_is_damage(hausbench: Program, proof: Path, tmp_path: Pat
     bad = tmp_path / "bad"
     for at in (0, whole.index(b"tolerance"), whole.index(b"\n") + 1, len(whole) - 80):
         bad.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
-        assert "damaged: its SHA-256 does not match" in hausbench.fails("verify", "--certificate", bad)
+        assert "damaged: its SHA-256 does not match" in hausbench.fails(
+            "verify", "--certificate", bad
+        )
     for content in (whole[:-1], whole[: whole.rindex(b"\n", 0, -1)], b""):
         bad.write_bytes(content)
         assert "it does not end in its SHA-256" in hausbench.fails("verify", "--certificate", bad)
 
 
-def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path) -> None:
+def test_mistakes(
+    hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path
+) -> None:
     assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path / "missing")
     assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path)
     assert "A and B" in hausbench.fails("verify", "--certificate", proof, tetrahedron)
     assert "--certificate" in hausbench.fails("verify", proof, tetrahedron)
-    line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "tang", "--plugin", plugin, "--certificate", tmp_path / "x")
+    line = hausbench.fails(
+        "measure",
+        tetrahedron,
+        tetrahedron,
+        "--solver",
+        "tang",
+        "--plugin",
+        plugin,
+        "--certificate",
+        tmp_path / "x",
+    )
     assert "writes no certificates" in line and "vertex_only" in line
     at = tmp_path / "no folder" / "x"
-    assert "folder" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "vertex_only", "--plugin", plugin, "--certificate", at)
+    assert "folder" in hausbench.fails(
+        "measure",
+        tetrahedron,
+        tetrahedron,
+        "--solver",
+        "vertex_only",
+        "--plugin",
+        plugin,
+        "--certificate",
+        at,
+    )
     # If a requested proof cannot be written, the program says so and does not succeed.
     out = tmp_path / "none"
-    done = hausbench("measure", tetrahedron, tetrahedron, "--solver", "vertex_only",
-                     "--plugin", plugin, "--time-limit", "0", "--certificate", out)
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        tetrahedron,
+        "--solver",
+        "vertex_only",
+        "--plugin",
+        plugin,
+        "--time-limit",
+        "0",
+        "--certificate",
+        out,
+    )
     assert done.returncode == 1 and not out.exists()
-    assert f"{out} is not written: time was out before each triangle of A had a bound; allow it more time" in done.stdout + done.stderr
+    assert (
+        f"{out} is not written: time was out before each triangle of A had a bound; allow it more time"
+        in done.stdout + done.stderr
+    )
 
 
 @pytest.mark.parametrize("solver", ["guthe", "sacht", "kang", "zheng", "cover"])
-def test_mesh_solvers_write_proofs(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, solver: str) -> None:
+def test_mesh_solvers_write_proofs(
+    hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, solver: str
+) -> None:
     for asked in ((), ("--symmetric",)):
         file = tmp_path / solver
-        done = hausbench("measure", tetrahedron, raised, "--solver", solver, *asked, "--certificate", file)
+        done = hausbench(
+            "measure", tetrahedron, raised, "--solver", solver, *asked, "--certificate", file
+        )
         assert done.returncode == 0, done.stdout + done.stderr
         done = hausbench("verify", "--certificate", file)
-        assert done.returncode == 0 and f"answer     of {solver}: " in done.stdout and "\naccepted " in done.stdout
+        assert (
+            done.returncode == 0
+            and f"answer     of {solver}: " in done.stdout
+            and "\naccepted " in done.stdout
+        )
 
 
 @pytest.mark.parametrize("in_process", [False, True])
 @pytest.mark.parametrize("how", ["lower above", "false proof", ""])
-def test_measure_warns_if_its_own_proof_is_refused(hausbench: Program, outside: Path, tetrahedron: Path, raised: Path,
-                                                   tmp_path: Path, how: str, in_process: bool) -> None:
+def test_measure_warns_if_its_own_proof_is_refused(
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    raised: Path,
+    tmp_path: Path,
+    how: str,
+    in_process: bool,
+) -> None:
     file = tmp_path / "mine"
     deed = ("--set", "at=0", "--set", f"how={how}") if how else ()
-    asked: tuple[str | Path, ...] = ("--json", "--solver", "lies", "--plugin", outside / "libmisbehaving.so", *deed, *["--in-process"] * in_process)
+    asked: tuple[str | Path, ...] = (
+        "--json",
+        "--solver",
+        "lies",
+        "--plugin",
+        outside / "libmisbehaving.so",
+        *deed,
+        *["--in-process"] * in_process,
+    )
     done = hausbench("measure", tetrahedron, raised, *asked, "--certificate", file)
     said = json.loads(done.stdout)
     checked = hausbench("verify", "--certificate", file)
@@ -235,34 +364,59 @@ def test_measure_warns_if_its_own_proof_is_refused(hausbench: Program, outside: 
     assert len(said["warnings"]) == (1 if how else 0)
     if how:
         why = checked.stdout.splitlines()[-1].removeprefix("refused").strip()
-        assert why in said["warnings"][0] and said["warnings"][0].startswith(f"{file}: its own check refuses this proof: ")
+        assert why in said["warnings"][0] and said["warnings"][0].startswith(
+            f"{file}: its own check refuses this proof: "
+        )
 
 
-def test_bounds_that_prove_nothing_are_said(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+def test_bounds_that_prove_nothing_are_said(
+    hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "none"
-    done = hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--set", "kernel=textbook", "--certificate", out)
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "guthe",
+        "--set",
+        "kernel=textbook",
+        "--certificate",
+        out,
+    )
     assert done.returncode == 1 and not out.exists()
     assert "kernel = textbook or certify = false" in done.stdout + done.stderr
 
 
-def shape_sha256(kind: str, vertices: list[tuple[float, ...]], triangles: list[tuple[int, ...]]) -> str:
+def shape_sha256(
+    kind: str, vertices: list[tuple[float, ...]], triangles: list[tuple[int, ...]]
+) -> str:
     """Computes the hash as described in docs/certificate.md, without the program's code."""
     content = struct.pack("<Q", len(kind)) + kind.encode() + struct.pack("<Q", len(vertices))
     content += b"".join(struct.pack("<3d", *vertex) for vertex in vertices)
     if kind == "mesh":
-        content += struct.pack("<Q", len(triangles)) + b"".join(struct.pack("<3i", *triangle) for triangle in triangles)
+        content += struct.pack("<Q", len(triangles)) + b"".join(
+            struct.pack("<3i", *triangle) for triangle in triangles
+        )
     return hashlib.sha256(content).hexdigest()
 
 
-def test_the_document_says_how_the_sha256_of_a_shape_is_taken(hausbench: Program, tmp_path: Path) -> None:
+def test_the_document_says_how_the_sha256_of_a_shape_is_taken(
+    hausbench: Program, tmp_path: Path
+) -> None:
     # An unused vertex, a -0, a polygon, and a value that single precision cannot hold.
     mesh, points, proof = tmp_path / "a.off", tmp_path / "b.xyz", tmp_path / "proof"
-    mesh.write_text("OFF\n6 2 0\n0 0 -0.0\n9 9 9\n1 0 0.1\n1 1 0\n0 1 0\n0 0 1\n4 0 2 3 4\n3 5 2 0\n")
+    mesh.write_text(
+        "OFF\n6 2 0\n0 0 -0.0\n9 9 9\n1 0 0.1\n1 1 0\n0 1 0\n0 0 1\n4 0 2 3 4\n3 5 2 0\n"
+    )
     points.write_text("0 0 0\n1e-320 -2.5 1e300\n")
     vertices: list[tuple[float, ...]] = [(0, 0, -0.0), (1, 0, 0.1), (1, 1, 0), (0, 1, 0), (0, 0, 1)]
     of_mesh = shape_sha256("mesh", vertices, [(0, 1, 2), (0, 2, 3), (4, 1, 0)])
     of_points = shape_sha256("points", [(0, 0, 0), (1e-320, -2.5, 1e300)], [])
-    assert hausbench("measure", mesh, points, "--solver", "cover", "--certificate", proof).returncode == 0
+    assert (
+        hausbench("measure", mesh, points, "--solver", "cover", "--certificate", proof).returncode
+        == 0
+    )
     header, _ = read(proof)
     assert [header[side]["sha256"] for side in ("source", "target")] == [of_mesh, of_points]
 
@@ -272,7 +426,12 @@ def test_the_document_says_how_numbers_that_json_lacks_are_written(
     hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, text: str
 ) -> None:
     file = tmp_path / "proof"
-    assert hausbench("measure", tetrahedron, raised, "--solver", "cover", "--certificate", file).returncode == 0
+    assert (
+        hausbench(
+            "measure", tetrahedron, raised, "--solver", "cover", "--certificate", file
+        ).returncode
+        == 0
+    )
     header, rest = read(file)
     header["lower"] = 0
     header["witness"]["source_point"] = header["witness"]["target_point"] = ["nan", "nan", "nan"]
@@ -283,8 +442,20 @@ def test_the_document_says_how_numbers_that_json_lacks_are_written(
 
 
 def test_pairs_whose_models_are_missing_are_skipped(program_file: str, tmp_path: Path) -> None:
-    script, cache = Path(__file__).resolve().parents[1] / "certificates.py", {**os.environ, "HAUSBENCH_CACHE": str(tmp_path)}
-    done = subprocess.run([sys.executable, script, "--program", program_file, "--pairs", "2"], capture_output=True, text=True, env=cache, check=False)
+    script, cache = Path(__file__).resolve().parents[1] / "certificates.py", {
+        **os.environ,
+        "HAUSBENCH_CACHE": str(tmp_path),
+    }
+    done = subprocess.run(
+        [sys.executable, script, "--program", program_file, "--pairs", "2"],
+        capture_output=True,
+        text=True,
+        env=cache,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
-    assert "skipped: armadillo to armadillo_half: " in done.stdout and "run `hausbench fetch`" in done.stdout
+    assert (
+        "skipped: armadillo to armadillo_half: " in done.stdout
+        and "run `hausbench fetch`" in done.stdout
+    )
     assert "0 of 0 pairs as they should be; 2 skipped" in done.stdout

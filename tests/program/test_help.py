@@ -1,4 +1,5 @@
-"""Help texts, the man page and bash completion are all made from one description of the commands."""
+"""Help texts, the man page and bash completion are all made from one description of the
+commands."""
 
 from __future__ import annotations
 
@@ -13,12 +14,36 @@ import pytest
 
 from program import ROOT, Program
 
-VERBS = ("measure", "run", "explain", "status", "show", "compare", "verify", "draw", "merge", "list", "fetch", "export", "track")
-SCRIPTS = {"draw": ("-m", "analysis.draw"), "fetch": ("datasets/fetch.py",), "track": ("-m", "bench.tracking")}
+VERBS = (
+    "measure",
+    "run",
+    "explain",
+    "status",
+    "show",
+    "compare",
+    "verify",
+    "draw",
+    "merge",
+    "list",
+    "fetch",
+    "export",
+    "track",
+)
+SCRIPTS = {
+    "draw": ("-m", "analysis.draw"),
+    "fetch": ("datasets/fetch.py",),
+    "track": ("-m", "bench.tracking"),
+}
 
 
 def help_of(hausbench: Program, *verb: str, columns: int = 80) -> str:
-    done = subprocess.run([hausbench.path, *verb, "--help"], env={**hausbench.environment(), "COLUMNS": str(columns)}, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [hausbench.path, *verb, "--help"],
+        env={**hausbench.environment(), "COLUMNS": str(columns)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return done.stdout
 
 
@@ -39,7 +64,9 @@ def test_an_unknown_verb_is_named_before_its_options_are_read(hausbench: Program
 
 def test_all_known_options_are_listed(hausbench: Program) -> None:
     said = hausbench.fails("measure", "--nonsense-of-no-kind")
-    assert " more)" not in said and options(said) - {"--nonsense-of-no-kind"} == options(help_of(hausbench, "measure")) | {"--help"}
+    assert " more)" not in said and options(said) - {"--nonsense-of-no-kind"} == options(
+        help_of(hausbench, "measure")
+    ) | {"--help"}
 
 
 @pytest.mark.parametrize("verb", VERBS)
@@ -52,38 +79,74 @@ def test_help_fits_on_a_screen(hausbench: Program, verb: str) -> None:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_the_example_is_a_legal_command(hausbench: Program, verb: str, tmp_path: Path) -> None:
-    """The example's files do not exist, so it must fail because of them and not because of its syntax."""
-    examples = re.findall(r"^Example:  (.*)$", help_of(hausbench, verb, columns=100), flags=re.MULTILINE)
+    """The example's files do not exist, so it must fail because of them and not because of its
+    syntax."""
+    examples = re.findall(
+        r"^Example:  (.*)$", help_of(hausbench, verb, columns=100), flags=re.MULTILINE
+    )
     assert len(examples) == 1
     words = shlex.split(examples[0])
     assert words[:2] == ["hausbench", verb]
-    done = subprocess.run([hausbench.path, *words[1:]], cwd=tmp_path, env={**os.environ, "HAUSBENCH_ROOT": str(tmp_path), "PYTHON": "/nowhere/python3"},
-                          capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [hausbench.path, *words[1:]],
+        cwd=tmp_path,
+        env={**os.environ, "HAUSBENCH_ROOT": str(tmp_path), "PYTHON": "/nowhere/python3"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 2, done.stderr
     assert "--help" not in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("verb", SCRIPTS)
 def test_script_and_program_know_the_same_options(hausbench: Program, verb: str) -> None:
-    done = subprocess.run(["/usr/bin/python3", *SCRIPTS[verb], "--help"], cwd=ROOT, env=hausbench.environment(), capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["/usr/bin/python3", *SCRIPTS[verb], "--help"],
+        cwd=ROOT,
+        env=hausbench.environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     known = options(done.stdout.split("options:")[1])
-    assert known - {"--help"} == set(re.findall(r"^  (--[a-z-]+)", help_of(hausbench, verb), flags=re.MULTILINE))
+    assert known - {"--help"} == set(
+        re.findall(r"^  (--[a-z-]+)", help_of(hausbench, verb), flags=re.MULTILINE)
+    )
 
 
 def test_a_script_gets_its_words(hausbench: Program, tmp_path: Path) -> None:
-    """Repeated options, flags, values that begin with a dash, and several positional arguments are passed on unchanged."""
+    """Repeated options, flags, values that begin with a dash, and several positional arguments are
+    passed on unchanged."""
     python = tmp_path / "python3"
     python.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
     python.chmod(0o755)
 
     def given(*words: str) -> list[str]:
-        done = subprocess.run([hausbench.path, *words], env={**hausbench.environment(), "PYTHON": str(python)}, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [hausbench.path, *words],
+            env={**hausbench.environment(), "PYTHON": str(python)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return done.stdout.splitlines()
 
-    assert given("draw", "--as", "table", "a.h5", "--as=motion", "--highlight", "guthe(samples=8)")[3:] == ["a.h5", "--as=table", "--as=motion", "--highlight=guthe(samples=8)"]
+    assert given("draw", "--as", "table", "a.h5", "--as=motion", "--highlight", "guthe(samples=8)")[
+        3:
+    ] == ["a.h5", "--as=table", "--as=motion", "--highlight=guthe(samples=8)"]
     assert given("fetch", "bunny", "cow", "--check")[1:] == ["bunny", "cow", "--check"]
-    assert given("fetch", "bunny", "--experiment", "a.toml", "b.toml")[1:] == ["bunny", "--experiment", "a.toml", "b.toml"]
-    assert given("track", "--case", "a", "--case", "b", "--update=-x")[3:] == ["--case=a", "--case=b", "--update=-x"]
+    assert given("fetch", "bunny", "--experiment", "a.toml", "b.toml")[1:] == [
+        "bunny",
+        "--experiment",
+        "a.toml",
+        "b.toml",
+    ]
+    assert given("track", "--case", "a", "--case", "b", "--update=-x")[3:] == [
+        "--case=a",
+        "--case=b",
+        "--update=-x",
+    ]
 
 
 def test_the_man_page_has_every_verb_and_option(hausbench: Program, tmp_path: Path) -> None:
@@ -92,9 +155,18 @@ def test_the_man_page_has_every_verb_and_option(hausbench: Program, tmp_path: Pa
     for verb in VERBS:
         section = plain.split(f"\n.SS {verb}\n")[1].split("\n.S")[0]
         listed = {match for match in re.findall(r"^\\fB(--[a-z-]+)", section, flags=re.MULTILINE)}
-        assert listed == {name for name in re.findall(r"^  (--[a-z-]+)", help_of(hausbench, verb), flags=re.MULTILINE)}
+        assert listed == {
+            name
+            for name in re.findall(r"^  (--[a-z-]+)", help_of(hausbench, verb), flags=re.MULTILINE)
+        }
     if shutil.which("groff"):
-        done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z"], input=page, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            ["groff", "-man", "-Tutf8", "-ww", "-z"],
+            input=page,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         assert done.stderr == ""
 
 
@@ -102,8 +174,18 @@ def completed(hausbench: Program, folder: Path, *words: str, **more: str) -> set
     """Returns what bash offers as completions of the last word."""
     script = hausbench("describe", "bash").stdout
     line = " ".join(map(shlex.quote, (hausbench.path, *words)))
-    done = subprocess.run(["bash", "-c", f'{script}\nCOMP_WORDS=({line}); COMP_CWORD={len(words)}; _hausbench; printf "%s\\n" "${{COMPREPLY[@]}}"'],
-                          cwd=folder, env={**hausbench.environment(), **more}, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [
+            "bash",
+            "-c",
+            f'{script}\nCOMP_WORDS=({line}); COMP_CWORD={len(words)}; _hausbench; printf "%s\\n" "${{COMPREPLY[@]}}"',
+        ],
+        cwd=folder,
+        env={**hausbench.environment(), **more},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert done.stderr == ""
     return set(done.stdout.split())
 
@@ -115,7 +197,10 @@ def test_bash_completes(hausbench: Program, tmp_path: Path) -> None:
     assert completed(hausbench, tmp_path, "run", "--engine", "") >= {"here", "slurm"}
     assert completed(hausbench, tmp_path, "measure", "a.ply", "b.ply", "--of", "d") == {"diagonal"}
     assert completed(hausbench, tmp_path, "measure", "--solver", "cov") == {"cover"}
-    assert completed(hausbench, tmp_path, "measure", "sc") >= {"scan.ply", "screw"}  # files and models
+    assert completed(hausbench, tmp_path, "measure", "sc") >= {
+        "scan.ply",
+        "screw",
+    }  # files and models
     assert "zhang2017_table3" in completed(hausbench, tmp_path, "run", "zhang2017_")
     assert "bunny" in completed(hausbench, tmp_path, "export", "bun")
     assert completed(hausbench, tmp_path, "list", "key") == {"keys"}

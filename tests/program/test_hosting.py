@@ -19,7 +19,9 @@ def host(library: str) -> None:
         signal.signal(number, lambda which, _: heard.append(which))
     child = subprocess.Popen(["sleep", "60"])
     numbers = ctypes.c_double * 9
-    bounded = ctypes.CDLL(library).bound_by_all_solvers(numbers(0, 0, 0, 1, 0, 0, 0, 1, 0), numbers(0, 0, 1, 1, 0, 1, 0, 1, 2), 3)
+    bounded = ctypes.CDLL(library).bound_by_all_solvers(
+        numbers(0, 0, 0, 1, 0, 0, 0, 1, 0), numbers(0, 0, 1, 1, 0, 1, 0, 1, 2), 3
+    )
     assert bounded >= 5, f"{bounded} solvers bound a distance"
     assert child.poll() is None, "the child has ended"
     assert not heard

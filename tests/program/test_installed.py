@@ -1,4 +1,5 @@
-"""An installed hausbench, without its source tree, has experiments and documents, and its hints name existing files."""
+"""An installed hausbench, without its source tree, has experiments and documents, and its hints
+name existing files."""
 
 from __future__ import annotations
 
@@ -19,7 +20,9 @@ class Installed(Program):
         self.cache = folder / "cache"
 
     def environment(self) -> dict[str, str]:
-        return {name: value for name, value in os.environ.items() if not name.startswith("HAUSBENCH")} | {"XDG_CACHE_HOME": str(self.cache)}
+        return {
+            name: value for name, value in os.environ.items() if not name.startswith("HAUSBENCH")
+        } | {"XDG_CACHE_HOME": str(self.cache)}
 
 
 @pytest.fixture
@@ -38,7 +41,11 @@ def test_its_experiments_run_in_any_folder(installed: Installed, tmp_path: Path)
         assert done.returncode == 0, done.stderr
     # If started inside the installed files, the program still uses the user's cache.
     installed.folder = Path(installed.path).parents[1] / "share" / "hausbench" / "experiments"
-    assert installed("list", "smoke").returncode == installed("measure", "sphere1", "sphere2").returncode == 0
+    assert (
+        installed("list", "smoke").returncode
+        == installed("measure", "sphere1", "sphere2").returncode
+        == 0
+    )
     assert not (installed.folder.parent / "datasets" / "cache").exists()
 
 
@@ -61,5 +68,9 @@ def test_its_hints_name_what_is_there(installed: Installed) -> None:
 
 def test_its_manual_and_completion_are_where_they_are_looked_for(installed: Installed) -> None:
     share = Path(installed.path).parents[1] / "share"
-    assert (share / "man" / "man1" / "hausbench.1").read_text() == installed("describe", "man").stdout
-    assert (share / "bash-completion" / "completions" / "hausbench").read_text() == installed("describe", "bash").stdout
+    assert (share / "man" / "man1" / "hausbench.1").read_text() == installed(
+        "describe", "man"
+    ).stdout
+    assert (share / "bash-completion" / "completions" / "hausbench").read_text() == installed(
+        "describe", "bash"
+    ).stdout

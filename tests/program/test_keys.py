@@ -1,4 +1,5 @@
-"""`hausbench list keys` lists keys of experiment files, recipes and operations, as text and as JSON."""
+"""`hausbench list keys` lists keys of experiment files, recipes and operations, as text and as
+JSON."""
 
 from __future__ import annotations
 
@@ -16,7 +17,17 @@ def test_text_and_json_name_the_same_keys(hausbench: Program) -> None:
         for made in listed[group]:
             assert made["meaning"], made["name"]
             names += [made["name"], *(number["name"] for number in made["numbers"])]
-    assert {"tolerances", "case_seconds", "target_motion", "degrees", "warm", "faster_than", "icosphere", "simplify", "ratio"} <= set(names)
+    assert {
+        "tolerances",
+        "case_seconds",
+        "target_motion",
+        "degrees",
+        "warm",
+        "faster_than",
+        "icosphere",
+        "simplify",
+        "ratio",
+    } <= set(names)
     assert [name for name in names if name not in text] == []
 
 

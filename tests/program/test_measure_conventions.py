@@ -1,4 +1,5 @@
-"""`hausbench measure`: units and axes that files state, matrices, invalid points, and what the output says of them."""
+"""`hausbench measure`: units and axes that files state, matrices, invalid points, and what the
+output says of them."""
 
 from __future__ import annotations
 
@@ -15,13 +16,19 @@ FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 
 
 def amf(folder: Path, name: str, unit: str | None, scale: float = 1) -> Path:
-    vertices = "".join(f"<vertex><coordinates><x>{x * scale!r}</x><y>{y * scale!r}</y><z>{z * scale!r}</z></coordinates></vertex>"
-                       for x, y, z in CORNERS)
-    triangles = "".join(f"<triangle><v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>" for a, b, c in FACES)
+    vertices = "".join(
+        f"<vertex><coordinates><x>{x * scale!r}</x><y>{y * scale!r}</y><z>{z * scale!r}</z></coordinates></vertex>"
+        for x, y, z in CORNERS
+    )
+    triangles = "".join(
+        f"<triangle><v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>" for a, b, c in FACES
+    )
     stated = f' unit="{unit}"' if unit else ""
     file = folder / f"{name}.amf"
-    file.write_text(f'<?xml version="1.0"?><amf{stated}><object id="1"><mesh><vertices>{vertices}</vertices>'
-                    f"<volume>{triangles}</volume></mesh></object></amf>")
+    file.write_text(
+        f'<?xml version="1.0"?><amf{stated}><object id="1"><mesh><vertices>{vertices}</vertices>'
+        f"<volume>{triangles}</volume></mesh></object></amf>"
+    )
     return file
 
 
@@ -29,8 +36,10 @@ def off(folder: Path, name: str, scale: float = 1, turned: bool = False) -> Path
     """Writes the same tetrahedron, scaled; turned: with Y pointing up instead of Z."""
     file = folder / f"{name}.off"
     corners = [(x, z, -y) if turned else (x, y, z) for x, y, z in CORNERS]
-    file.write_text(f"OFF\n4 4 0\n{''.join(f'{x * scale!r} {y * scale!r} {z * scale!r}{chr(10)}' for x, y, z in corners)}"
-                    + "".join(f"3 {a} {b} {c}\n" for a, b, c in FACES))
+    file.write_text(
+        f"OFF\n4 4 0\n{''.join(f'{x * scale!r} {y * scale!r} {z * scale!r}{chr(10)}' for x, y, z in corners)}"
+        + "".join(f"3 {a} {b} {c}\n" for a, b, c in FACES)
+    )
     return file
 
 
@@ -75,16 +84,30 @@ def test_different_units_are_refused_with_a_remedy(hausbench: Program, tmp_path:
 
 def test_units_that_are_not_known_are_refused(hausbench: Program, tmp_path: Path) -> None:
     files = {}
-    for name, unit in (("px", "x [px],y [px],z [px]"), ("furlong", "x/furlong,y/furlong,z/furlong"), ("mm", "x [mm],y [mm],z [mm]"), ("none", "x,y,z"),
-                       ("feet", "x [US ft],y [US ft],z [US ft]")):
+    for name, unit in (
+        ("px", "x [px],y [px],z [px]"),
+        ("furlong", "x/furlong,y/furlong,z/furlong"),
+        ("mm", "x [mm],y [mm],z [mm]"),
+        ("none", "x,y,z"),
+        ("feet", "x [US ft],y [US ft],z [US ft]"),
+    ):
         files[name] = tmp_path / f"{name}.csv"
         files[name].write_text(f"{unit}\n3937,0,0\n")
     for other in ("furlong", "mm"):
         message = hausbench.fails("measure", files["px"], files[other])
-        assert "is in px" in message and f"in {other}" in message and "--unit none" in message and "--unit mm" not in message
+        assert (
+            "is in px" in message
+            and f"in {other}" in message
+            and "--unit none" in message
+            and "--unit mm" not in message
+        )
         assert upper(measured(hausbench, files["px"], files[other], "--unit", "none")) == 0
     message = hausbench.fails("measure", files["px"], files["none"], "--unit", "mm")
-    assert "px.csv" in message and "states the unit 'px', which is not known" in message and "--unit none" in message
+    assert (
+        "px.csv" in message
+        and "states the unit 'px', which is not known" in message
+        and "--unit none" in message
+    )
     for other in ("none", "px"):
         result = measured(hausbench, files["px"], files[other])
         assert upper(result) == 0 and "A: states the unit 'px', which is not known: its numbers count as they stand" in result["notes"]  # type: ignore[operator]
@@ -100,7 +123,20 @@ def test_axes_are_turned_on_demand_alone(hausbench: Program, tmp_path: Path) -> 
     assert upper(measured(hausbench, a, off(tmp_path, "c", turned=True), "--up", "X")) > 1
     up_z = tmp_path / "z.off"
     assert hausbench("export", a, up_z, "--up", "z").returncode == 0
-    assert [float(word) for word in up_z.read_text().split()[4:16]] == [0, 0, 0, 1, 0, 0, 0, 0, 2, 0, -3, 0]
+    assert [float(word) for word in up_z.read_text().split()[4:16]] == [
+        0,
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+        0,
+        2,
+        0,
+        -3,
+        0,
+    ]
 
 
 def vrml(folder: Path) -> Path:
@@ -108,8 +144,13 @@ def vrml(folder: Path) -> Path:
     file = folder / "a.wrl"
     points = ", ".join(" ".join(map(str, corner)) for corner in CORNERS)
     faces = ", ".join(" ".join(map(str, face)) + " -1" for face in FACES)
-    file.write_text("#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { coord Coordinate { point [ " + points
-                    + " ] } coordIndex [ " + faces + " ] } }\n")
+    file.write_text(
+        "#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { coord Coordinate { point [ "
+        + points
+        + " ] } coordIndex [ "
+        + faces
+        + " ] } }\n"
+    )
     return file
 
 
@@ -120,21 +161,46 @@ def test_a_matrix_moves_a_shape(hausbench: Program, tmp_path: Path) -> None:
     moved = measured(hausbench, a, a, "--transform-target", matrix)
     assert abs(upper(moved) - 10) < 1e-9
     assert any("align.txt" in note for note in moved["notes"])  # type: ignore[attr-defined]
-    assert upper(measured(hausbench, a, a, "--transform-target", matrix, "--transform-source", matrix)) < 1e-12
-    for text, words in [("1 2 3", "4 x 4"), ("1 0 0 0\n0 1 0 0\n0 0 1 0\n10 0 0 1\n", "last column"),
-                        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 nan", "4 x 4"), ("1e308 1e308 1e308 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "largest double")]:
+    assert (
+        upper(measured(hausbench, a, a, "--transform-target", matrix, "--transform-source", matrix))
+        < 1e-12
+    )
+    for text, words in [
+        ("1 2 3", "4 x 4"),
+        ("1 0 0 0\n0 1 0 0\n0 0 1 0\n10 0 0 1\n", "last column"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 nan", "4 x 4"),
+        ("1e308 1e308 1e308 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "largest double"),
+    ]:
         matrix.write_text(text)
         message = hausbench.fails("measure", a, a, "--transform-source", matrix)
         assert "align.txt" in message and words in message
-    assert "certificate" in hausbench.fails("measure", a, a, "--unit", "mm", "--certificate", tmp_path / "proof")
+    assert "certificate" in hausbench.fails(
+        "measure", a, a, "--unit", "mm", "--certificate", tmp_path / "proof"
+    )
 
 
-@pytest.mark.parametrize("factor, words", [(25.4, "25.4"), (1 / 25.4, "25.4"), (1000, "1000"), (0.1, "10 times"), (304.8, "304.8"),
-                                           (25.6, "25.4"), (27, None), (3, None), (1.005, None)])
-def test_a_common_factor_of_units_is_a_warning(hausbench: Program, tmp_path: Path, factor: float, words: str | None) -> None:
+@pytest.mark.parametrize(
+    "factor, words",
+    [
+        (25.4, "25.4"),
+        (1 / 25.4, "25.4"),
+        (1000, "1000"),
+        (0.1, "10 times"),
+        (304.8, "304.8"),
+        (25.6, "25.4"),
+        (27, None),
+        (3, None),
+        (1.005, None),
+    ],
+)
+def test_a_common_factor_of_units_is_a_warning(
+    hausbench: Program, tmp_path: Path, factor: float, words: str | None
+) -> None:
     warnings = measured(hausbench, off(tmp_path, "a"), off(tmp_path, "b", factor))["warnings"]
     assert isinstance(warnings, list)
-    assert any("same unit" in one and (words or "") in one for one in warnings) == (words is not None), warnings
+    assert any("same unit" in one and (words or "") in one for one in warnings) == (
+        words is not None
+    ), warnings
 
 
 def test_equal_sizes_far_apart_are_a_warning(hausbench: Program, tmp_path: Path) -> None:
@@ -148,7 +214,9 @@ def test_equal_sizes_far_apart_are_a_warning(hausbench: Program, tmp_path: Path)
     assert isinstance(over, list) and not any("do not overlap" in one for one in over)
 
 
-def test_points_that_are_not_finite_are_dropped_on_demand(hausbench: Program, tmp_path: Path) -> None:
+def test_points_that_are_not_finite_are_dropped_on_demand(
+    hausbench: Program, tmp_path: Path
+) -> None:
     cloud, plane = tmp_path / "cloud.xyz", tmp_path / "plane.xyz"
     cloud.write_text("0 0 1\nnan 0 0\n1 0 1\n")
     plane.write_text("0 0 0\n1 0 0\n")
@@ -174,7 +242,9 @@ def test_columns_are_for_the_tables_that_need_them(hausbench: Program, tmp_path:
     assert "column" in hausbench.fails("measure", wide, plain)
 
 
-def test_statistics_of_segments_are_by_length_and_say_so(hausbench: Program, tmp_path: Path) -> None:
+def test_statistics_of_segments_are_by_length_and_say_so(
+    hausbench: Program, tmp_path: Path
+) -> None:
     path, point = tmp_path / "path.obj", tmp_path / "point.xyz"
     path.write_text("v 0 0 0\nv 1 0 0\nv 3 0 0\nl 1 2 3\n")
     point.write_text("0 0 0\n")

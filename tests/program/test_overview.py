@@ -24,11 +24,28 @@ def overview(tmp_path: Path) -> Path:
 
 
 def drawn(hausbench: Program, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "analysis", "overview", "--results", str(folder), "--out", str(folder)], cwd=ROOT,
-                          env={**hausbench.environment(), "HAUSBENCH_PROGRAM": hausbench.path}, capture_output=True, text=True, timeout=120)
+    return subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "analysis",
+            "overview",
+            "--results",
+            str(folder),
+            "--out",
+            str(folder),
+        ],
+        cwd=ROOT,
+        env={**hausbench.environment(), "HAUSBENCH_PROGRAM": hausbench.path},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
 
 
-def test_the_picture_follows_from_its_experiment(hausbench: Program, overview: Path, tmp_path: Path) -> None:
+def test_the_picture_follows_from_its_experiment(
+    hausbench: Program, overview: Path, tmp_path: Path
+) -> None:
     run(hausbench, overview, tmp_path)
     done = drawn(hausbench, tmp_path)
     assert done.returncode == 0, done.stderr
@@ -36,11 +53,17 @@ def test_the_picture_follows_from_its_experiment(hausbench: Program, overview: P
         assert (tmp_path / "figures" / name).read_bytes().startswith(begin)
 
 
-def test_without_fields_there_is_no_picture(hausbench: Program, overview: Path, tmp_path: Path) -> None:
+def test_without_fields_there_is_no_picture(
+    hausbench: Program, overview: Path, tmp_path: Path
+) -> None:
     overview.write_text(overview.read_text().replace("fields = true", "fields = false"))
     run(hausbench, overview, tmp_path)
     done = drawn(hausbench, tmp_path)
-    assert done.returncode == 2 and "make overview" in done.stderr and len(done.stderr.splitlines()) == 1
+    assert (
+        done.returncode == 2
+        and "make overview" in done.stderr
+        and len(done.stderr.splitlines()) == 1
+    )
 
 
 def test_the_readme_shows_it() -> None:

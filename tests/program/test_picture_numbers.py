@@ -1,6 +1,8 @@
-"""The numbers in `measure --picture`: the same on a busy machine, and under a limit nothing that is not known.
+"""The numbers in `measure --picture`: the same on a busy machine, and under a limit nothing that is
+not known.
 
-HAUSBENCH_PICTURES=20 tries 20 pairs of up to 200,000 triangles or points; the default is two small ones.
+HAUSBENCH_PICTURES=20 tries 20 pairs of up to 200,000 triangles or points; the default is two small
+ones.
 """
 
 from __future__ import annotations
@@ -39,7 +41,9 @@ class Drawn:
     low: Floats  # percent of A certainly in each bar
     high: Floats  # percent of A possibly in each bar
     edges: Floats
-    statistics: dict[str, tuple[float, float]]  # the mean and the quantile by the first word: a line (both ends equal), or a band
+    statistics: dict[
+        str, tuple[float, float]
+    ]  # the mean and the quantile by the first word: a line (both ends equal), or a band
     frame: tuple[float, ...]  # ends of the axes of the histogram
 
     @property
@@ -49,22 +53,38 @@ class Drawn:
 
 def numbers_of(figure: Any) -> Drawn:
     shape, *others = figure.axes
-    drawn = next(one for one in shape.collections if isinstance(one, (PathCollection, PolyCollection)))
-    ring = np.concatenate([np.ravel(line.get_data()) for line in shape.lines if line.get_marker() == "o"][:1])
+    drawn = next(
+        one for one in shape.collections if isinstance(one, (PathCollection, PolyCollection))
+    )
+    ring = np.concatenate(
+        [np.ravel(line.get_data()) for line in shape.lines if line.get_marker() == "o"][:1]
+    )
     bar = next(one for one in others if one.get_label() == "<colorbar>")
     panel = next((one for one in others if one is not bar), None)
     empty = np.empty(0)
     if panel is None:
-        return Drawn(np.array(drawn.get_facecolor()), bar.get_ylim(), ring, empty, empty, empty, {}, ())
+        return Drawn(
+            np.array(drawn.get_facecolor()), bar.get_ylim(), ring, empty, empty, empty, {}, ()
+        )
     sure, rest = panel.containers
-    statistics = {str(line.get_label()).split()[0]: (float(line.get_xdata()[0]),) * 2 for line in panel.lines}
+    statistics = {
+        str(line.get_label()).split()[0]: (float(line.get_xdata()[0]),) * 2 for line in panel.lines
+    }
     for patch in panel.patches:
         if str(patch.get_label()).endswith("is in here"):
             x = patch.get_extents().transformed(panel.transData.inverted())
             statistics[str(patch.get_label()).removeprefix("the ").split()[0]] = (x.x0, x.x1)
     low = np.array([one.get_height() for one in sure])
-    return Drawn(np.array(drawn.get_facecolor()), bar.get_ylim(), ring, low, low + [one.get_height() for one in rest],
-                 np.array([one.get_x() + one.get_width() for one in sure]), statistics, (*panel.get_xlim(), *panel.get_ylim()))
+    return Drawn(
+        np.array(drawn.get_facecolor()),
+        bar.get_ylim(),
+        ring,
+        low,
+        low + [one.get_height() for one in rest],
+        np.array([one.get_x() + one.get_width() for one in sure]),
+        statistics,
+        (*panel.get_xlim(), *panel.get_ylim()),
+    )
 
 
 def draw(program: str, a: Path, b: Path, out: Path, *more: str) -> Drawn | None:
@@ -89,8 +109,10 @@ def busy_machine() -> Iterator[None]:
 
 
 def write(file: Path, corners: Floats, triangles: Any) -> Path:
-    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\nproperty double x\nproperty double y\nproperty double z\n"
-            f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    head = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
     faces = np.zeros(len(triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"], faces["corners"] = 3, triangles
     file.write_bytes(head.encode() + corners.astype("<f8").tobytes() + faces.tobytes())
@@ -100,24 +122,47 @@ def write(file: Path, corners: Floats, triangles: Any) -> Path:
 def grid(n: int, wave: float) -> tuple[Floats, Any]:
     x, y = (one.ravel() for one in np.meshgrid(*2 * [np.linspace(0, 1, n)]))
     corner = np.arange(n * n).reshape(n, n)[:-1, :-1].ravel()
-    return (np.stack([x, y, 0.2 * np.sin(wave * x) * np.cos(wave * y)], 1),
-            np.concatenate([np.stack([corner, corner + 1, corner + n], 1), np.stack([corner + 1, corner + n + 1, corner + n], 1)]))
+    return (
+        np.stack([x, y, 0.2 * np.sin(wave * x) * np.cos(wave * y)], 1),
+        np.concatenate(
+            [
+                np.stack([corner, corner + 1, corner + n], 1),
+                np.stack([corner + 1, corner + n + 1, corner + n], 1),
+            ]
+        ),
+    )
 
 
 def ball(n: int, bumps: float) -> tuple[Floats, Any]:
-    turn, down = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n, endpoint=False), np.linspace(0.1, np.pi - 0.1, n))
+    turn, down = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 2 * n, endpoint=False), np.linspace(0.1, np.pi - 0.1, n)
+    )
     radius = 1 + 0.1 * np.cos(bumps * down) * np.sin(3 * turn)
-    corners = np.stack([radius * np.cos(turn) * np.sin(down), radius * np.sin(turn) * np.sin(down), radius * np.cos(down)], -1).reshape(-1, 3)
+    corners = np.stack(
+        [
+            radius * np.cos(turn) * np.sin(down),
+            radius * np.sin(turn) * np.sin(down),
+            radius * np.cos(down),
+        ],
+        -1,
+    ).reshape(-1, 3)
     i, j = (one.ravel() for one in np.meshgrid(np.arange(2 * n), np.arange(n - 1)))
     a, b = 2 * n * j + i, 2 * n * j + (i + 1) % (2 * n)
-    return corners, np.concatenate([np.stack([a, a + 2 * n, b], 1), np.stack([b, a + 2 * n, b + 2 * n], 1)])
+    return corners, np.concatenate(
+        [np.stack([a, a + 2 * n, b], 1), np.stack([b, a + 2 * n, b + 2 * n], 1)]
+    )
 
 
 def pair(k: int, folder: Path) -> tuple[Path, Path]:
-    """Returns the k-th pair: two waves, two bumpy balls, a ball and a copy that almost touches it, or two clouds, ever larger."""
+    """Returns the k-th pair: two waves, two bumpy balls, a ball and a copy that almost touches it,
+    or two clouds, ever larger."""
     n, random = (8, 20, 50, 110, 220)[k // 4 % 5], np.random.default_rng(k)
     if k % 4 == 3:
-        clouds = [scale * one / np.linalg.norm(one, axis=1)[:, None] for scale in (1.0, 1.05) for one in [random.standard_normal((4 * n * n, 3))]]
+        clouds = [
+            scale * one / np.linalg.norm(one, axis=1)[:, None]
+            for scale in (1.0, 1.05)
+            for one in [random.standard_normal((4 * n * n, 3))]
+        ]
         files = folder / f"{k}a.xyz", folder / f"{k}b.xyz"
         for file, cloud in zip(files, clouds):
             np.savetxt(file, cloud, fmt="%.17g")
@@ -125,7 +170,9 @@ def pair(k: int, folder: Path) -> tuple[Path, Path]:
     if k % 4 == 2:
         corners, triangles = ball(n, 4)
         copy = corners + 1e-4 * random.standard_normal(corners.shape)
-        return write(folder / f"{k}a.ply", corners, triangles), write(folder / f"{k}b.ply", copy, triangles)
+        return write(folder / f"{k}a.ply", corners, triangles), write(
+            folder / f"{k}b.ply", copy, triangles
+        )
     a, b = (grid(n, 5), grid(n + 1, 7)) if k % 4 == 0 else (ball(n, 4), ball(n // 2, 5))
     return write(folder / f"{k}a.ply", *a), write(folder / f"{k}b.ply", *b)
 
@@ -136,26 +183,44 @@ def test_load_changes_no_number(program_file: str, tmp_path: Path, k: int) -> No
     idle = draw(program_file, a, b, tmp_path / "idle.png")
     with busy_machine():
         busy = draw(program_file, a, b, tmp_path / "busy.png")
-    assert idle and busy and idle.has_histogram and idle.statistics == busy.statistics and idle.frame == busy.frame and idle.scale == busy.scale
+    assert (
+        idle
+        and busy
+        and idle.has_histogram
+        and idle.statistics == busy.statistics
+        and idle.frame == busy.frame
+        and idle.scale == busy.scale
+    )
     for name in ("colours", "ring", "low", "high", "edges"):
         assert np.array_equal(getattr(idle, name), getattr(busy, name)), name
 
 
 def certain(program: str, a: Path, b: Path, edges: Floats) -> dict[str, Any]:
-    """Returns certified bounds of what a picture shows, from runs without a limit: the shares up to these edges, and the statistics."""
+    """Returns certified bounds of what a picture shows, from runs without a limit: the shares up to
+    these edges, and the statistics."""
     wanted = ", ".join(["mean", "quantile 0.95", *(f"within {float(edge)!r}" for edge in edges)])
     words = [program, "measure", str(a), str(b), "--json"]
-    words += [f"--statistics={wanted}", "--of=absolute", "--tolerance=1e-4", "--share-tolerance=0.005", "--budget=2000000"]
-    found: dict[str, Any] = json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout)["distribution"]
+    words += [
+        f"--statistics={wanted}",
+        "--of=absolute",
+        "--tolerance=1e-4",
+        "--share-tolerance=0.005",
+        "--budget=2000000",
+    ]
+    found: dict[str, Any] = json.loads(
+        subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    )["distribution"]
     return found
 
 
 @pytest.mark.parametrize("k", range(PICTURES))
-def test_a_limit_draws_nothing_that_is_not_certain(program_file: str, tmp_path: Path, k: int, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_limit_draws_nothing_that_is_not_certain(
+    program_file: str, tmp_path: Path, k: int, capfd: pytest.CaptureFixture[str]
+) -> None:
     a, b = pair(k, tmp_path)
     free = draw(program_file, a, b, tmp_path / "free.png")
     assert free
-    for limit in LIMITS[k % 3::3]:
+    for limit in LIMITS[k % 3 :: 3]:
         found = draw(program_file, a, b, tmp_path / "limited.png", f"--time-limit={limit}")
         said = capfd.readouterr().err
         if found is None:
@@ -165,7 +230,12 @@ def test_a_limit_draws_nothing_that_is_not_certain(program_file: str, tmp_path: 
             assert "without a histogram" in said
             continue
         truth, most = certain(program_file, a, b, found.edges), 1 + 1e-9
-        assert (found.low >= 0).all() and (found.low <= found.high).all() and (found.high <= 100 * most).all() and found.low.sum() <= 100 * most
+        assert (
+            (found.low >= 0).all()
+            and (found.low <= found.high).all()
+            and (found.high <= 100 * most).all()
+            and found.low.sum() <= 100 * most
+        )
         assert found.frame[0] == 0 and found.frame[2] == 0 and found.frame[3] <= 105
         shares = [truth["share_within"][one] for one in sorted(truth["share_within"], key=float)]
         least = np.array([one["lower"] for one in shares])

@@ -1,4 +1,5 @@
-"""Plug-in solvers: a project built against an installed hausbench, and solvers that crash, hang, exhaust memory or return nonsense."""
+"""Plug-in solvers: a project built against an installed hausbench, and solvers that crash, hang,
+exhaust memory or return nonsense."""
 
 from __future__ import annotations
 
@@ -21,14 +22,22 @@ import pytest
 from program import RECIPE, SOURCES, Program, built, head
 from test_run import wait_for
 
+
 def compiled(results: Path) -> dict[str, str]:
     """Returns how each plug-in of a result was compiled, by file name."""
     with h5py.File(results) as f:
-        return {plugin["file"]: plugin["compiled"] for plugin in json.loads(f["meta"].attrs["plugins"])}
+        return {
+            plugin["file"]: plugin["compiled"] for plugin in json.loads(f["meta"].attrs["plugins"])
+        }
 
 
-def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
-    commands = [entry["command"].split() for entry in json.loads((outside / "compile_commands.json").read_text())]
+def test_the_documented_recipe_runs_at_full_speed(
+    hausbench: Program, outside: Path, plugin: Path, tmp_path: Path
+) -> None:
+    commands = [
+        entry["command"].split()
+        for entry in json.loads((outside / "compile_commands.json").read_text())
+    ]
     with_hausbench = [words for words in commands if not words[-1].endswith("of_another_time.cpp")]
     assert len(with_hausbench) == 6
     for words in with_hausbench:
@@ -36,48 +45,90 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
     experiment = tmp_path / "quick.toml"
     experiment.write_text(head() + '[[solver]]\nname = "vertex_only"\n')
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin, "--quiet")
-    assert done.returncode == 0 and all("were tried little" in line for line in done.stderr.splitlines())  # no warning about a slow build
+    assert done.returncode == 0 and all(
+        "were tried little" in line for line in done.stderr.splitlines()
+    )  # no warning about a slow build
     how = compiled(tmp_path / "quick.h5")
-    assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith("optimized, no assertions, GCC ")
+    assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith(
+        "optimized, no assertions, GCC "
+    )
 
 
 def test_code_for_an_earlier_interface_is_told_what_to_write(outside: Path, tmp_path: Path) -> None:
-    commands = [entry["command"].split() for entry in json.loads((outside / "compile_commands.json").read_text())]
+    commands = [
+        entry["command"].split()
+        for entry in json.loads((outside / "compile_commands.json").read_text())
+    ]
     words = next(words for words in commands if words[-1].endswith("misbehaving.cpp"))
-    flags = words[1:words.index("-o")]
+    flags = words[1 : words.index("-o")]
     source = tmp_path / "earlier.cpp"
-    for line, text in ((" info.traces = true;", "since plug-in interface 11 this is an ability: info.abilities ="), ("", "")):
-        source.write_text(f"#include <hausbench/plugin.h>\nvoid declare(hausbench::SolverInfo& info) {{ info.paper.clear();{line} }}\n")
-        done = subprocess.run([words[0], *flags, "-fsyntax-only", source], capture_output=True, text=True)
+    for line, text in (
+        (" info.traces = true;", "since plug-in interface 11 this is an ability: info.abilities ="),
+        ("", ""),
+    ):
+        source.write_text(
+            f"#include <hausbench/plugin.h>\nvoid declare(hausbench::SolverInfo& info) {{ info.paper.clear();{line} }}\n"
+        )
+        done = subprocess.run(
+            [words[0], *flags, "-fsyntax-only", source], capture_output=True, text=True
+        )
         assert (done.returncode == 0) == (line == "") and text in done.stderr, done.stderr
 
 
 def test_a_plugin_that_is_not_optimized_is_said_to_be_so(
-    hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, experiment: Path, tmp_path: Path
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    raised: Path,
+    experiment: Path,
+    tmp_path: Path,
 ) -> None:
     # The author's compiler flags are kept.
-    built([*RECIPE, f"-DCMAKE_PREFIX_PATH={outside.parent / 'installed'}", "-DCMAKE_BUILD_TYPE=Debug",
-                  "-S", str(SOURCES), "-B", str(tmp_path / "debug")], tmp_path)
+    built(
+        [
+            *RECIPE,
+            f"-DCMAKE_PREFIX_PATH={outside.parent / 'installed'}",
+            "-DCMAKE_BUILD_TYPE=Debug",
+            "-S",
+            str(SOURCES),
+            "-B",
+            str(tmp_path / "debug"),
+        ],
+        tmp_path,
+    )
     built(["cmake", "--build", "debug", "--target", "with_octree"], tmp_path)
     slow = tmp_path / "debug" / "libwith_octree.so"
     experiment.write_text(experiment.read_text().replace("guthe", "with_octree"))
-    every_verb: list[list[str | Path]] = [["list"], ["explain", experiment], ["measure", tetrahedron, raised, "--solver", "with_octree"],
-                                          ["run", experiment, "--results", tmp_path, "--quiet"]]
+    every_verb: list[list[str | Path]] = [
+        ["list"],
+        ["explain", experiment],
+        ["measure", tetrahedron, raised, "--solver", "with_octree"],
+        ["run", experiment, "--results", tmp_path, "--quiet"],
+    ]
     for arguments in every_verb:
         done = hausbench(*arguments, "--plugin", slow)
         assert done.returncode == 0, done.stderr
         (line,) = done.stderr.splitlines()
-        assert "libwith_octree.so: is not optimized" in line and "-DCMAKE_BUILD_TYPE=Release" in line
-    assert compiled(tmp_path / "tiny.h5")["libwith_octree.so"].startswith("not optimized, assertions, GCC ")
+        assert (
+            "libwith_octree.so: is not optimized" in line and "-DCMAKE_BUILD_TYPE=Release" in line
+        )
+    assert compiled(tmp_path / "tiny.h5")["libwith_octree.so"].startswith(
+        "not optimized, assertions, GCC "
+    )
 
 
-def test_an_installed_program_knows_its_commit(program_file: str, outside: Path, experiment: Path, tmp_path: Path) -> None:
+def test_an_installed_program_knows_its_commit(
+    program_file: str, outside: Path, experiment: Path, tmp_path: Path
+) -> None:
     built_from = json.loads((Path(program_file).parent / "commit.json").read_text())
     assert len(built_from["commit"]) == 40 or built_from["commit"] == "unknown"
     installed = Program(str(outside.parent / "installed" / "bin" / "hausbench"), tmp_path)
     assert installed("run", experiment, "--results", tmp_path).returncode == 0
     with h5py.File(tmp_path / "tiny.h5") as f:
-        assert (f["meta"].attrs["commit"], f["meta"].attrs["dirty"]) == (built_from["commit"], built_from["dirty"])
+        assert (f["meta"].attrs["commit"], f["meta"].attrs["dirty"]) == (
+            built_from["commit"],
+            built_from["dirty"],
+        )
 
 
 # A fault of the plug-in's declaration -> the error, wherever the plug-in is loaded.
@@ -101,13 +152,23 @@ DECLARED = {
 
 @pytest.mark.parametrize("how", DECLARED)
 def test_a_plugin_that_breaks_its_contract_is_found_by_every_verb(
-    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, monkeypatch: pytest.MonkeyPatch, how: str
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    experiment: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    how: str,
 ) -> None:
     plugin = outside / "libbroken.so"
     experiment.write_text(experiment.read_text().replace("guthe", "broken"))
     assert hausbench("explain", experiment, "--plugin", plugin).returncode == 0
     monkeypatch.setenv("BROKEN", how)
-    every_verb: list[list[str | Path]] = [["list"], ["explain", experiment], ["run", experiment], ["measure", tetrahedron, tetrahedron]]
+    every_verb: list[list[str | Path]] = [
+        ["list"],
+        ["explain", experiment],
+        ["run", experiment],
+        ["measure", tetrahedron, tetrahedron],
+    ]
     for arguments in every_verb:
         line = hausbench.fails(*arguments, "--plugin", plugin)
         assert "libbroken.so: " in line and DECLARED[how] in line and "internal error" not in line
@@ -115,21 +176,42 @@ def test_a_plugin_that_breaks_its_contract_is_found_by_every_verb(
 
 
 def test_what_a_plugin_must_not_do_with_a_scene_is_its_own_error(
-    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    experiment: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plugin = outside / "libbroken.so"
     experiment.write_text(experiment.read_text().replace("guthe", "broken"))
-    for how, said in (("needs more", "needs a target octree that is not in may_need"), ("uses more", "prepare() throws: "),
-                      ("throws", "threw: too hard")):
+    for how, said in (
+        ("needs more", "needs a target octree that is not in may_need"),
+        ("uses more", "prepare() throws: "),
+        ("throws", "threw: too hard"),
+    ):
         monkeypatch.setenv("BROKEN", how)
-        done = hausbench("measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", plugin)
-        of_plugin = "solver 'broken' gave no answer: it " if how == "throws" else "libbroken.so: solver 'broken' "
-        assert done.returncode == (1 if how == "throws" else 2) and of_plugin + said in done.stderr, done.stderr
+        done = hausbench(
+            "measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", plugin
+        )
+        of_plugin = (
+            "solver 'broken' gave no answer: it "
+            if how == "throws"
+            else "libbroken.so: solver 'broken' "
+        )
+        assert (
+            done.returncode == (1 if how == "throws" else 2) and of_plugin + said in done.stderr
+        ), done.stderr
         assert "internal error" not in done.stderr
         if how == "needs more":
             line = hausbench.fails("explain", experiment, "--plugin", plugin)
             assert "libbroken.so: solver 'broken' " + said in line
-        assert hausbench("run", experiment, "--results", tmp_path, "--fresh", "--plugin", plugin).returncode == 0
+        assert (
+            hausbench(
+                "run", experiment, "--results", tmp_path, "--fresh", "--plugin", plugin
+            ).returncode
+            == 0
+        )
         (row,) = rows_of(tmp_path / "tiny.h5")["broken"]
         assert row["status"] == "failed" and "internal error" not in row["reason"]
         assert said in row["reason"]
@@ -138,25 +220,44 @@ def test_what_a_plugin_must_not_do_with_a_scene_is_its_own_error(
 def test_bounds_that_no_distance_can_have_are_no_answer(
     hausbench: Program, outside: Path, tetrahedron: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    arguments = ("measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", outside / "libbroken.so")
+    arguments = (
+        "measure",
+        tetrahedron,
+        tetrahedron,
+        "--solver",
+        "broken",
+        "--plugin",
+        outside / "libbroken.so",
+    )
     for how in ("no number", "infinite", "negative"):
         monkeypatch.setenv("BROKEN", how)
         for more, code in (((), 1), (("--symmetric",), 1), (("--cutoff", "0.5"), 3)):
             done = hausbench(*arguments, *more)
             assert done.returncode == code, (how, more, done.stdout)
             assert "are not an interval of distances" in done.stderr + done.stdout
-            assert ", converged" not in done.stdout.replace("reports converged", "") and "below_floor" not in done.stdout.replace("reports below_floor", "")
+            assert ", converged" not in done.stdout.replace(
+                "reports converged", ""
+            ) and "below_floor" not in done.stdout.replace("reports below_floor", "")
             if code == 3:
                 assert "may be above or below 0.5" in done.stdout
 
 
-def test_rows_that_end_at_the_budget_are_timed(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_rows_that_end_at_the_budget_are_timed(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "wide.toml"
-    text = (head().replace("[2.0]", "[1e-9]").replace("guthe", "vertex_only").replace('source = "sphere1"', 'source = "sphere0"')
-            .replace("to = [3, 0, 0], steps = 4", "to = [1, 0, 0], steps = 2"))
+    text = (
+        head()
+        .replace("[2.0]", "[1e-9]")
+        .replace("guthe", "vertex_only")
+        .replace('source = "sphere1"', 'source = "sphere0"')
+        .replace("to = [3, 0, 0], steps = 4", "to = [1, 0, 0], steps = 2")
+    )
     for repeats in (2, 3):  # more repeats than were kept, so they are measured
         experiment.write_text(text.replace("repeats = 1", f"repeats = {repeats}\nrounds = 2"))
-        assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
+        assert (
+            hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
+        )
         with h5py.File(tmp_path / "wide.h5") as f:
             assert set(f["cases/status"].asstr()[:]) == {"budget"}
             assert sorted(f["repeats/case"][:]) == sorted(2 * repeats * [0, 1])
@@ -168,16 +269,25 @@ def test_list_shows_the_plugins_solvers(hausbench: Program, plugin: Path) -> Non
     solvers = {solver["name"]: solver for solver in json.loads(done.stdout)["solvers"]}
     assert solvers["vertex_only"]["certified"] and not solvers["lies"]["certified"]
     assert solvers["throws"]["parameters"][1]["choices"] == ["an exception", "a number"]
-    assert "vertex_only" not in {solver["name"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
+    assert "vertex_only" not in {
+        solver["name"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]
+    }
 
 
-def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
-    done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--json", "--plugin", plugin)
+def test_measure_with_a_plugin(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    done = hausbench(
+        "measure", tetrahedron, raised, "--solver", "vertex_only", "--json", "--plugin", plugin
+    )
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
-    # The lower face is 0.25 below the raised tetrahedron; both solvers' intervals contain that distance.
+    # The lower face is 0.25 below the raised tetrahedron; both solvers' intervals contain that
+    # distance.
     assert answer["lower"] == pytest.approx(0.25) and answer["upper"] >= answer["lower"]
-    guthe = json.loads(hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout)
+    guthe = json.loads(
+        hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout
+    )
     assert answer["lower"] <= guthe["upper"] and guthe["lower"] <= answer["upper"]
     line = hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
     assert "'vertex_only'" in line and "--plugin" in line
@@ -185,43 +295,110 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
 
 @pytest.mark.parametrize(
     ("solver", "status", "said"),
-    [("hangs", "timeout", "killed: it did not answer within the time limit of 0.3 s and 1 s of grace"),
-     ("never_ready", "timeout", "killed: it was not prepared within the time limit of 0.3 s"),
-     ("leaves", "failed", "its process ended with exit code 0 before it answered"),
-     ("crashes", "signal", "its process ended with signal 11")])
-def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, solver: str, status: str,
-                                     said: str) -> None:
+    [
+        (
+            "hangs",
+            "timeout",
+            "killed: it did not answer within the time limit of 0.3 s and 1 s of grace",
+        ),
+        ("never_ready", "timeout", "killed: it was not prepared within the time limit of 0.3 s"),
+        ("leaves", "failed", "its process ended with exit code 0 before it answered"),
+        ("crashes", "signal", "its process ended with signal 11"),
+    ],
+)
+def test_measure_survives_its_solver(
+    hausbench: Program,
+    plugin: Path,
+    tetrahedron: Path,
+    raised: Path,
+    solver: str,
+    status: str,
+    said: str,
+) -> None:
     at = () if solver == "never_ready" else ("--set", "at=0")
-    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--solver", solver, *at, "--time-limit", "0.3", "--plugin", plugin)
+    ask: tuple[str | Path, ...] = (
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        solver,
+        *at,
+        "--time-limit",
+        "0.3",
+        "--plugin",
+        plugin,
+    )
     done = hausbench(*ask, "--json")
-    assert done.returncode == 1 and f"solver '{solver}' gave no answer: {said}" in done.stderr, done.stderr
+    assert (
+        done.returncode == 1 and f"solver '{solver}' gave no answer: {said}" in done.stderr
+    ), done.stderr
     answer = json.loads(done.stdout)
     assert answer["status"] == status and said in answer["note"] and answer["solver"] == solver
-    assert answer["lower"] == 0 and answer["upper"] == "inf" and answer["source_point"] is None and answer["directions"] == []
+    assert (
+        answer["lower"] == 0
+        and answer["upper"] == "inf"
+        and answer["source_point"] is None
+        and answer["directions"] == []
+    )
     person = hausbench(*ask, "--cutoff", "0.1")
-    assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # exit code 3: the question has no answer
+    assert (
+        person.returncode == 3 and f"no answer: {said}" in person.stdout
+    )  # exit code 3: the question has no answer
 
 
-def test_the_last_bounds_of_a_solver_outlive_it(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
-    """The raised tetrahedron is 0.25 away; the solver shows half of the lower and twice the upper bound, and never returns."""
-    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--solver", "never_returns", "--time-limit", "0.5", "--plugin", plugin)
+def test_the_last_bounds_of_a_solver_outlive_it(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    """The raised tetrahedron is 0.25 away; the solver shows half of the lower and twice the upper
+    bound, and never returns."""
+    ask: tuple[str | Path, ...] = (
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "never_returns",
+        "--time-limit",
+        "0.5",
+        "--plugin",
+        plugin,
+    )
     for more, lower, upper in (((), 0.125, 0.5), (("--symmetric",), 0.125, math.inf)):
         done = hausbench(*ask, *more, "--json")
         answer = json.loads(done.stdout)
         assert done.returncode == 0 and answer["status"] == "time_limit", done.stderr
-        assert "killed: it did not answer within the time limit of 0.5 s" in answer["note"] and "these are its bounds after" in answer["note"]
-        assert answer["lower"] == pytest.approx(lower) and float(answer["upper"]) == pytest.approx(upper)
+        assert (
+            "killed: it did not answer within the time limit of 0.5 s" in answer["note"]
+            and "these are its bounds after" in answer["note"]
+        )
+        assert answer["lower"] == pytest.approx(lower) and float(answer["upper"]) == pytest.approx(
+            upper
+        )
     decided = hausbench(*ask, "--cutoff", "0.1")
     assert decided.returncode == 1 and "is above 0.1" in decided.stdout, decided.stdout
     certificate = hausbench(*ask, "--fields", plugin.parent / "never.vtk", "--json")
-    assert certificate.returncode == 1 and json.loads(certificate.stdout)["lower"] == pytest.approx(0.125)
+    assert certificate.returncode == 1 and json.loads(certificate.stdout)["lower"] == pytest.approx(
+        0.125
+    )
 
 
-def test_progress_on_a_terminal(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
-    """After two seconds, a line on standard error tells what goes on, with the bounds so far; it is erased at the end."""
+def test_progress_on_a_terminal(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    """After two seconds, a line on standard error tells what goes on, with the bounds so far; it is
+    erased at the end."""
     mine, its = pty.openpty()
     environment = {name: value for name, value in hausbench.environment().items() if name != "CI"}
-    command = hausbench.command("measure", tetrahedron, raised, "--solver", "never_returns", "--time-limit", "3", "--plugin", plugin)
+    command = hausbench.command(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "never_returns",
+        "--time-limit",
+        "3",
+        "--plugin",
+        plugin,
+    )
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=its)
     os.close(its)
     said = b""
@@ -232,13 +409,16 @@ def test_progress_on_a_terminal(hausbench: Program, plugin: Path, tetrahedron: P
             except OSError:  # the terminal is closed
                 break
     os.close(mine)
-    assert re.search(rb"[2-9] s \| solving, h\(A,B\) in \[0\.12[0-9]*, 0\.50[0-9]*\] so far", said), said
+    assert re.search(
+        rb"[2-9] s \| solving, h\(A,B\) in \[0\.12[0-9]*, 0\.50[0-9]*\] so far", said
+    ), said
     assert said.rstrip().endswith(b"\x1b[K"), said
     quiet = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert "solving" not in quiet.stderr
 
 
-# Where the code of the plug-in ends or hangs -> what is said. Nothing of it may end or hang the program that the user started.
+# Where the code of the plug-in ends or hangs -> what is said. Nothing of it may end or hang the
+# program that the user started.
 AT_ONCE = {
     "exits when loaded": "libbroken.so: ended the program with exit code 0 in loading",
     "crashes when loaded": "libbroken.so: ended the program with signal 6 (Aborted) in loading",
@@ -249,45 +429,99 @@ AT_ONCE = {
 
 @pytest.mark.parametrize("how", AT_ONCE)
 def test_no_code_of_a_plugin_ends_the_program(
-    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    experiment: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    how: str,
 ) -> None:
     plugin = outside / "libbroken.so"
-    experiment.write_text(f'plugins = ["{plugin}"]\n' + experiment.read_text().replace("guthe", "broken"))
+    experiment.write_text(
+        f'plugins = ["{plugin}"]\n' + experiment.read_text().replace("guthe", "broken")
+    )
     monkeypatch.setenv("BROKEN", how)
-    every_verb: list[list[str | Path]] = [["list", "--plugin", plugin], ["explain", experiment], ["status", experiment],
-                                          ["run", experiment, "--results", tmp_path], ["measure", tetrahedron, tetrahedron, "--plugin", plugin]]
+    every_verb: list[list[str | Path]] = [
+        ["list", "--plugin", plugin],
+        ["explain", experiment],
+        ["status", experiment],
+        ["run", experiment, "--results", tmp_path],
+        ["measure", tetrahedron, tetrahedron, "--plugin", plugin],
+    ]
     for arguments in every_verb:
         assert AT_ONCE[how] in hausbench.fails(*arguments)
 
 
 def test_a_constructor_that_ends_or_hangs_fails_its_rows(
-    hausbench: Program, outside: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    hausbench: Program,
+    outside: Path,
+    experiment: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """With these parameters alone; so the plug-in can be loaded, and each case has its row."""
     plugin = outside / "libbroken.so"
-    text = experiment.read_text().replace('name = "guthe"', 'name = "broken"\nparameters = { how = "badly" }')
+    text = experiment.read_text().replace(
+        'name = "guthe"', 'name = "broken"\nparameters = { how = "badly" }'
+    )
     experiment.write_text(f'plugins = ["{plugin}"]\n' + text)
     monkeypatch.setenv("BROKEN", "exits when made badly")
-    assert "libbroken.so: ended the program with exit code 0" in hausbench.fails("explain", experiment)  # it asks the solver what it needs
+    assert "libbroken.so: ended the program with exit code 0" in hausbench.fails(
+        "explain", experiment
+    )  # it asks the solver what it needs
     assert hausbench("run", experiment, "--results", tmp_path, "--quiet").returncode == 0
     (row,) = rows_of(tmp_path / "tiny.h5")["broken"]
-    assert row["status"] == "failed" and row["certified"] == 0 and "ended early" in row["reason"], row
+    assert (
+        row["status"] == "failed" and row["certified"] == 0 and "ended early" in row["reason"]
+    ), row
 
 
 def test_the_end_of_a_plugin_cannot_change_the_exit_code(
-    hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, monkeypatch: pytest.MonkeyPatch
+    hausbench: Program,
+    outside: Path,
+    tetrahedron: Path,
+    raised: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--cutoff", "0.1", "--plugin", outside / "libbroken.so")
+    ask: tuple[str | Path, ...] = (
+        "measure",
+        tetrahedron,
+        raised,
+        "--cutoff",
+        "0.1",
+        "--plugin",
+        outside / "libbroken.so",
+    )
     for how in ("exits at the end", "sleeps at the end"):
         monkeypatch.setenv("BROKEN", how)
         done = hausbench(*ask)
         assert done.returncode == 1 and "is above 0.1" in done.stdout, done.stderr  # 1: above
 
 
-def test_ctrl_c_ends_the_solver_too(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_the_solver_too(
+    hausbench: Program,
+    plugin: Path,
+    tetrahedron: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    process = subprocess.Popen(hausbench.command("measure", tetrahedron, tetrahedron, "--solver", "hangs", "--set", "at=0", "--plugin", plugin),
-                               env=hausbench.environment(), stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        hausbench.command(
+            "measure",
+            tetrahedron,
+            tetrahedron,
+            "--solver",
+            "hangs",
+            "--set",
+            "at=0",
+            "--plugin",
+            plugin,
+        ),
+        env=hausbench.environment(),
+        stdout=subprocess.DEVNULL,
+    )
     wait_for(lambda: bool(list(tmp_path.glob("hausbench-worker-*"))))
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     wait_for(lambda: bool(children.read_text()))
@@ -297,22 +531,74 @@ def test_ctrl_c_ends_the_solver_too(hausbench: Program, plugin: Path, tetrahedro
     assert not solver.exists() and not list(tmp_path.glob("hausbench-*"))
 
 
-def test_what_a_solver_prints_is_not_the_answer(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
-    done = hausbench("measure", tetrahedron, raised, "--solver", "chatters", "--set", "at=0", "--json", "--plugin", plugin)
+def test_what_a_solver_prints_is_not_the_answer(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "chatters",
+        "--set",
+        "at=0",
+        "--json",
+        "--plugin",
+        plugin,
+    )
     assert done.returncode == 0 and json.loads(done.stdout)["status"] == "converged"
     assert done.stderr.count("....") > 1000
 
 
-def test_a_status_that_does_not_follow_says_both_lengths(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
-    wrong = hausbench("measure", tetrahedron, raised, "--solver", "lies", "--set", "at=0", "--set", "how=no such element", "--plugin", plugin)
-    assert "do not trust solver 'lies': its witness names element 1000000 of the source, which has 4" in wrong.stderr + wrong.stdout
-    done = hausbench("measure", tetrahedron, raised, "--solver", "lies", "--set", "at=0", "--set", "how=wide", "--of", "absolute",
-                     "--tolerance", "0.5", "--json", "--plugin", plugin)
+def test_a_status_that_does_not_follow_says_both_lengths(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    wrong = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "lies",
+        "--set",
+        "at=0",
+        "--set",
+        "how=no such element",
+        "--plugin",
+        plugin,
+    )
+    assert (
+        "do not trust solver 'lies': its witness names element 1000000 of the source, which has 4"
+        in wrong.stderr + wrong.stdout
+    )
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "lies",
+        "--set",
+        "at=0",
+        "--set",
+        "how=wide",
+        "--of",
+        "absolute",
+        "--tolerance",
+        "0.5",
+        "--json",
+        "--plugin",
+        plugin,
+    )
     answer = json.loads(done.stdout)
-    assert answer["status"] == "stalled" and answer["note"] == "the solver reports converged, but its gap 4e+09 is above the tolerance 0.5"
+    assert (
+        answer["status"] == "stalled"
+        and answer["note"]
+        == "the solver reports converged, but its gap 4e+09 is above the tolerance 0.5"
+    )
 
 
-def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
+def test_files_that_are_no_plugins(
+    hausbench: Program, outside: Path, plugin: Path, tmp_path: Path
+) -> None:
     assert "interface 999" in hausbench.fails("list", "--plugin", outside / "libof_another_time.so")
     assert "does not exist" in hausbench.fails("list", "--plugin", tmp_path / "absent.so")
     text = tmp_path / "text.so"
@@ -335,19 +621,39 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
 ) -> None:
     ask = ("measure", tetrahedron, raised, "--json", "--plugin")
     done = hausbench(*ask, outside / "libwith_octree.so", "--solver", "with_octree")
-    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
+    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(
+        0.25
+    ), done.stderr
     # A hausbench whose octree has another layout: only the plug-in that uses it must be rebuilt.
     installed = tmp_path / "installed"
     shutil.copytree(outside.parent / "installed", installed)
     header = installed / "include" / "hausbench" / "structures" / "octree.h"
     text = header.read_text()
-    later = text.replace("structure_layout = 1;", "structure_layout = 2;").replace("\n};\n", "\n    double more[7] = {};\n};\n")
+    later = text.replace("structure_layout = 1;", "structure_layout = 2;").replace(
+        "\n};\n", "\n    double more[7] = {};\n};\n"
+    )
     assert later.count("structure_layout = 2;") == later.count("double more[7]") == 1
     header.write_text(later)
-    built(["cmake", "-S", outside.parent / "sources", "-B", "later", f"-DCMAKE_PREFIX_PATH={installed}", "-DCMAKE_BUILD_TYPE=Release"], tmp_path)
-    built(["cmake", "--build", "later", "--parallel", "2", "--target", "misbehaving", "with_octree"], tmp_path)
+    built(
+        [
+            "cmake",
+            "-S",
+            outside.parent / "sources",
+            "-B",
+            "later",
+            f"-DCMAKE_PREFIX_PATH={installed}",
+            "-DCMAKE_BUILD_TYPE=Release",
+        ],
+        tmp_path,
+    )
+    built(
+        ["cmake", "--build", "later", "--parallel", "2", "--target", "misbehaving", "with_octree"],
+        tmp_path,
+    )
     done = hausbench(*ask, tmp_path / "later" / "libmisbehaving.so", "--solver", "vertex_only")
-    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
+    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(
+        0.25
+    ), done.stderr
     line = hausbench.fails("list", "--plugin", tmp_path / "later" / "libwith_octree.so")
     assert "libwith_octree.so" in line and "'octree'" in line and "build it again" in line
 
@@ -386,7 +692,8 @@ WRONG = [label(*deed) for deed, (status, _) in DEEDS.items() if status == "unsou
 
 
 def sweep(hanging: bool) -> str:
-    """Returns an experiment with the solvers that hang, under a short time limit, or with all others."""
+    """Returns an experiment with the solvers that hang, under a short time limit, or with all
+    others."""
     text = head(0.6) if hanging else f"expected_unsound = {json.dumps(WRONG)}\n{head()}"
     for solver, how in DEEDS:
         if (DEEDS[solver, how][0] == "timeout") != hanging:
@@ -404,8 +711,21 @@ def rows_of(file: Path) -> Rows:
     """Returns the rows by label, in the order of poses."""
     rows: Rows = {}
     with h5py.File(file) as f:
-        texts = {name: f[f"cases/{name}"].asstr()[:] for name in ("label", "status", "reason", "identity", "build")}
-        numbers = {name: f[f"cases/{name}"][:] for name in ("pose_index", "lower", "upper", "certified", "solve_seconds", "reported_seconds")}
+        texts = {
+            name: f[f"cases/{name}"].asstr()[:]
+            for name in ("label", "status", "reason", "identity", "build")
+        }
+        numbers = {
+            name: f[f"cases/{name}"][:]
+            for name in (
+                "pose_index",
+                "lower",
+                "upper",
+                "certified",
+                "solve_seconds",
+                "reported_seconds",
+            )
+        }
         for i in range(len(texts["label"])):
             row = {name: column[i] for name, column in {**texts, **numbers}.items()}
             rows.setdefault(row["label"], []).append(row)
@@ -421,7 +741,9 @@ def swept(program_file: str, plugin: Path, tmp_path_factory: pytest.TempPathFact
     for stem, hanging in (("hanging", True), ("misbehaving", False)):
         experiment = folder / f"{stem}.toml"
         experiment.write_text(sweep(hanging))
-        done = Program(program_file, folder)("run", experiment, "--results", folder, "--plugin", plugin, timeout=600)
+        done = Program(program_file, folder)(
+            "run", experiment, "--results", folder, "--plugin", plugin, timeout=600
+        )
         assert done.returncode == 0, done.stderr
         rows |= rows_of(folder / f"{stem}.h5")
     return rows
@@ -437,7 +759,9 @@ def test_every_case_has_one_row(swept: Rows) -> None:
 def test_what_becomes_of_it(swept: Rows, deed: tuple[str, str]) -> None:
     status, said = DEEDS[deed]
     rows = swept[label(*deed)]
-    assert [row["status"] for row in rows] == ["ok", status, "ok", "ok"], [row["reason"] for row in rows]
+    assert [row["status"] for row in rows] == ["ok", status, "ok", "ok"], [
+        row["reason"] for row in rows
+    ]
     assert said in rows[1]["reason"] and "\n" not in rows[1]["reason"]
     for row, good in zip(rows, swept["guthe"]):
         if row["status"] == "ok":
@@ -473,15 +797,25 @@ parameters = { at = 0.0 }
 """
 
 
-def test_a_chain_that_breaks_keeps_what_came_before(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_a_chain_that_breaks_keeps_what_came_before(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "breaking.toml"
     experiment.write_text(head() + BREAKING)
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     rows = rows_of(tmp_path / "breaking.h5")
-    for solver, status, said in (("crashes", "signal", "signal 11"), ("throws", "failed", "it was too hard")):
-        assert [row["status"] for row in rows[solver]] == ["ok", "ok", status, "failed"], [row["reason"] for row in rows[solver]]
-        assert said in rows[solver][2]["reason"] and "broke at an earlier pose" in rows[solver][3]["reason"]
+    for solver, status, said in (
+        ("crashes", "signal", "signal 11"),
+        ("throws", "failed", "it was too hard"),
+    ):
+        assert [row["status"] for row in rows[solver]] == ["ok", "ok", status, "failed"], [
+            row["reason"] for row in rows[solver]
+        ]
+        assert (
+            said in rows[solver][2]["reason"]
+            and "broke at an earlier pose" in rows[solver][3]["reason"]
+        )
     assert [row["status"] for row in rows["at the head"]] == ["failed"] * 4
     with h5py.File(tmp_path / "breaking.h5") as f:
         timed = {int(case) for case in f["repeats/case"][:]}
@@ -493,38 +827,62 @@ def test_a_chain_that_breaks_keeps_what_came_before(hausbench: Program, plugin: 
     assert journal.read_bytes() == before  # nothing is left to run
 
 
-def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_a_crash_in_a_matrix_costs_its_case_alone(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "crossed.toml"
-    experiment.write_text(head().replace('source = "sphere1"', 'sources = ["sphere0", "sphere1"]').replace('target = "sphere1"', "")
-                          + '[[solver]]\nname = "crashes"\nparameters = { at = 1.0 }\n')
+    experiment.write_text(
+        head()
+        .replace('source = "sphere1"', 'sources = ["sphere0", "sphere1"]')
+        .replace('target = "sphere1"', "")
+        + '[[solver]]\nname = "crashes"\nparameters = { at = 1.0 }\n'
+    )
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "crossed.h5") as f:
-        rows = list(zip(f["cases/label"].asstr()[:], f["cases/status"].asstr()[:], f["cases/pose_index"][:]))
+        rows = list(
+            zip(f["cases/label"].asstr()[:], f["cases/status"].asstr()[:], f["cases/pose_index"][:])
+        )
     assert len(rows) == 32
     for label_, status, pose in rows:
         assert status == ("signal" if label_ == "crashes" and pose == 1 else "ok")
 
 
-def test_a_chain_is_waited_for_as_long_as_a_pass_takes(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    """A warm chain solves every pose in every pass, even those not timed, and the worker sends no message meanwhile. It must
-    not be killed as hanging.
+def test_a_chain_is_waited_for_as_long_as_a_pass_takes(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
+    """A warm chain solves every pose in every pass, even those not timed, and the worker sends no
+    message meanwhile. It must not be killed as hanging.
     """
     experiment = tmp_path / "patient.toml"
-    experiment.write_text(head(1.0).replace("from = [0, 0, 0], to = [3, 0, 0], steps = 4", "from = [0, 0, 0], to = [7, 0, 0], steps = 8")
-                          .replace('name = "guthe"', 'name = "dawdles"\nwarm = true\nparameters = { at = 6.0 }'))
+    experiment.write_text(
+        head(1.0)
+        .replace(
+            "from = [0, 0, 0], to = [3, 0, 0], steps = 4",
+            "from = [0, 0, 0], to = [7, 0, 0], steps = 8",
+        )
+        .replace('name = "guthe"', 'name = "dawdles"\nwarm = true\nparameters = { at = 6.0 }')
+    )
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     rows = rows_of(tmp_path / "patient.h5")["dawdles"]
-    assert [row["status"] for row in rows] == 7 * ["timeout"] + ["ok"], [row["reason"] for row in rows]
+    assert [row["status"] for row in rows] == 7 * ["timeout"] + ["ok"], [
+        row["reason"] for row in rows
+    ]
     assert all("the bounds hold" in row["reason"] for row in rows[:7])
 
 
-def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "full.toml"
     names = '["sphere0", "sphere1", "sphere2"]'
-    experiment.write_text(LEAKING.replace("repeats = 300", "repeats = 10").replace("memory_mb = 300", "memory_mb = 200")
-                          .replace('source = "sphere0"\ntarget = "sphere0"', f"sources = {names}").replace("HOW", "from repeat to repeat"))
+    experiment.write_text(
+        LEAKING.replace("repeats = 300", "repeats = 10")
+        .replace("memory_mb = 300", "memory_mb = 200")
+        .replace('source = "sphere0"\ntarget = "sphere0"', f"sources = {names}")
+        .replace("HOW", "from repeat to repeat")
+    )
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "full.h5") as f:  # the worker keeps 44 MB per pair
@@ -532,15 +890,23 @@ def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: P
         assert len(f["cases/status"]) == 9
 
 
-def test_a_row_keeps_a_thousand_values_that_its_solver_reports(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_a_row_keeps_a_thousand_values_that_its_solver_reports(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "telling.toml"
     experiment.write_text(head() + '\n[[solver]]\nname = "tells"\n')
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     assert [row["status"] for row in rows_of(tmp_path / "telling.h5")["tells"]] == 4 * ["ok"]
     with h5py.File(tmp_path / "telling.h5") as f:
-        facts = [json.loads(text) for text, label_ in zip(f["cases/facts"].asstr()[:], f["cases/label"].asstr()[:]) if label_ == "tells"]
-    assert len(facts[1]) == 1001 and facts[1]["left out"].startswith("299000 of 300000 reported values"), len(facts[1])
+        facts = [
+            json.loads(text)
+            for text, label_ in zip(f["cases/facts"].asstr()[:], f["cases/label"].asstr()[:])
+            if label_ == "tells"
+        ]
+    assert len(facts[1]) == 1001 and facts[1]["left out"].startswith(
+        "299000 of 300000 reported values"
+    ), len(facts[1])
 
 
 LEAKING = """\
@@ -562,7 +928,9 @@ parameters = { at = 0.0, how = "HOW" }
 
 
 @pytest.mark.parametrize("how", ["from repeat to repeat", "while it talks"])
-def test_the_memory_limit_holds_while_a_solver_talks(hausbench: Program, plugin: Path, tmp_path: Path, how: str) -> None:
+def test_the_memory_limit_holds_while_a_solver_talks(
+    hausbench: Program, plugin: Path, tmp_path: Path, how: str
+) -> None:
     experiment = tmp_path / "leaking.toml"
     experiment.write_text(LEAKING.replace("HOW", how))
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
@@ -577,22 +945,48 @@ def off(points: list[tuple[float, float, float]], faces: int) -> str:
     return f"OFF\n{len(points)} {faces} 0\n{corners}" + "".join(f"3 {t}\n" for t in triangles)
 
 
-def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    # This solver stops early if A has four triangles and B five, and converges if A has five and B four.
+def test_the_status_of_both_directions_is_that_of_the_larger(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
+    # This solver stops early if A has four triangles and B five, and converges if A has five and B
+    # four.
     flat = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
     tall = [*flat[:3], (0, 0, 4)]
-    for name, points, faces in (("flat4", flat, 4), ("flat5", flat, 5), ("tall4", tall, 4), ("tall5", tall, 5)):
-        (tmp_path / f"{name}.off").write_text(off([(float(x), float(y), float(z)) for x, y, z in points], faces))
+    for name, points, faces in (
+        ("flat4", flat, 4),
+        ("flat5", flat, 5),
+        ("tall4", tall, 4),
+        ("tall5", tall, 5),
+    ):
+        (tmp_path / f"{name}.off").write_text(
+            off([(float(x), float(y), float(z)) for x, y, z in points], faces)
+        )
 
     def measured(a: str, b: str) -> dict[str, Any]:
-        done = hausbench("measure", f"{a}.off", f"{b}.off", "--symmetric", "--solver", "stops_early", "--plugin", plugin,
-                         "--of", "absolute", "--tolerance", "0.01", "--json")
+        done = hausbench(
+            "measure",
+            f"{a}.off",
+            f"{b}.off",
+            "--symmetric",
+            "--solver",
+            "stops_early",
+            "--plugin",
+            plugin,
+            "--of",
+            "absolute",
+            "--tolerance",
+            "0.01",
+            "--json",
+        )
         assert done.returncode == 0, done.stderr
         result: dict[str, Any] = json.loads(done.stdout)
         assert result["lower"] <= 4 <= result["upper"]
         return result
 
-    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stops early is in [0, 0.125], below the other
+    for pair in (
+        ("tall5", "flat4"),
+        ("flat4", "tall5"),
+    ):  # the direction that stops early is in [0, 0.125], below the other
         closed = measured(*pair)
         assert closed["upper"] - closed["lower"] <= 0.01
         assert (closed["status"], closed["note"]) == ("converged", "")
@@ -602,7 +996,9 @@ def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program,
         assert (left_open["status"], left_open["note"]) == ("time_limit", "stopped early")
 
 
-def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_wrong_answers_end_the_run_with_exit_code_1(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     experiment = tmp_path / "wrong.toml"
     body = head() + '\n[[solver]]\nname = "lies"\nlabel = "liar"\n'
     experiment.write_text(body)
@@ -610,11 +1006,25 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
         done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
         assert done.returncode == 1, done.stderr
         named = [line for line in done.stderr.splitlines() if "unsound" in line]
-        assert len(named) == 1 and "liar on moved, pose 1" in named[0] and "below the verified lower bound" in named[0]
-        assert [row["status"] for row in rows_of(tmp_path / "wrong.h5")["liar"]] == ["ok", "unsound", "ok", "ok"]
+        assert (
+            len(named) == 1
+            and "liar on moved, pose 1" in named[0]
+            and "below the verified lower bound" in named[0]
+        )
+        assert [row["status"] for row in rows_of(tmp_path / "wrong.h5")["liar"]] == [
+            "ok",
+            "unsound",
+            "ok",
+            "ok",
+        ]
     experiment.write_text('expected_unsound = ["liar"]\n' + body)
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
-    assert done.returncode == 0 and "1 unsound" in done.stdout and "as expected" in done.stdout and "unsound" not in done.stderr
+    assert (
+        done.returncode == 0
+        and "1 unsound" in done.stdout
+        and "as expected" in done.stdout
+        and "unsound" not in done.stderr
+    )
     # An expected error that does not occur is accepted; an unknown label is an error.
     experiment.write_text('expected_unsound = ["guthe"]\n' + head())
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
@@ -626,7 +1036,9 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
 RESUMED = head() + '\n[[solver]]\nname = "vertex_only"\n'
 
 
-def test_resume_notices_another_build_of_the_plugin(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+def test_resume_notices_another_build_of_the_plugin(
+    hausbench: Program, plugin: Path, tmp_path: Path
+) -> None:
     own = tmp_path / "libown.so"
     shutil.copy(plugin, own)
     experiment = tmp_path / "resumed.toml"
@@ -646,9 +1058,14 @@ def test_resume_notices_another_build_of_the_plugin(hausbench: Program, plugin: 
         file.write(b"\0")  # another file, though the same code
     third = again()
     assert times(third, "vertex_only") != times(second, "vertex_only")
-    assert times(third, "guthe") == times(second, "guthe")  # the program's own solvers are unchanged
+    assert times(third, "guthe") == times(
+        second, "guthe"
+    )  # the program's own solvers are unchanged
     builds = {name: {row["build"] for row in rows} for name, rows in third.items()}
-    assert len(builds["guthe"]) == len(builds["vertex_only"]) == 1 and builds["guthe"] != builds["vertex_only"]
+    assert (
+        len(builds["guthe"]) == len(builds["vertex_only"]) == 1
+        and builds["guthe"] != builds["vertex_only"]
+    )
     assert builds["vertex_only"] != {row["build"] for row in first["vertex_only"]}
 
 

@@ -14,12 +14,21 @@ import numpy as np
 import pytest
 
 from program import ROOT, Program
-from test_run import numbers, run, same_answers, slow, start, texts  # noqa: F401  (slow is a fixture)
+from test_run import (
+    numbers,
+    run,
+    same_answers,
+    slow,
+    start,
+    texts,
+)  # noqa: F401  (slow is a fixture)
 
 SMOKE = ROOT / "experiments" / "smoke.toml"
 
 
-def test_kill_at_twenty_random_moments(hausbench: Program, slow: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_kill_at_twenty_random_moments(
+    hausbench: Program, slow: Path, tmp_path: Path
+) -> None:  # noqa: F811
     begin = time.monotonic()
     undisturbed = run(hausbench, slow, tmp_path / "whole")
     whole = time.monotonic() - begin
@@ -59,7 +68,9 @@ def test_shards_put_together_equal_one_go(hausbench: Program, tmp_path: Path) ->
     assert "--shard" in hausbench.fails("run", SMOKE, "--results", tmp_path, "--shard", "4/3")
 
 
-def test_merge_refuses_other_builds_unless_told(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_merge_refuses_other_builds_unless_told(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     one = run(hausbench, experiment, tmp_path)
     other = tmp_path / "other.h5"
     shutil.copy(one, other)
@@ -78,7 +89,10 @@ def test_leaving_out_changes_no_answer(hausbench: Program, tmp_path: Path) -> No
         assert texts(left_out, column) == texts(everything, column)
     for column in ("cases/lower", "cases/upper"):
         np.testing.assert_array_equal(numbers(left_out, column), numbers(everything, column))
-    assert numbers(left_out, "cases/from_trace").sum() > 0 and numbers(everything, "cases/from_trace").sum() == 0
+    assert (
+        numbers(left_out, "cases/from_trace").sum() > 0
+        and numbers(everything, "cases/from_trace").sum() == 0
+    )
 
 
 def test_verify_finds_bounds_that_do_not_hold(hausbench: Program, tmp_path: Path) -> None:
@@ -86,8 +100,15 @@ def test_verify_finds_bounds_that_do_not_hold(hausbench: Program, tmp_path: Path
     done = hausbench("verify", good)
     assert done.returncode == 0 and "unsound:" not in done.stdout
     solvers, status = texts(good, "cases/solver"), texts(good, "cases/status")
-    row = next(i for i, s in enumerate(solvers) if s == "guthe" and status[i] == "ok" and numbers(good, "cases/lower")[i] > 0)
-    for column, wrong, said in (("lower", 1 + 1e-12, "above the distance of its witness"), ("upper", 1 - 1e-3, "below")):
+    row = next(
+        i
+        for i, s in enumerate(solvers)
+        if s == "guthe" and status[i] == "ok" and numbers(good, "cases/lower")[i] > 0
+    )
+    for column, wrong, said in (
+        ("lower", 1 + 1e-12, "above the distance of its witness"),
+        ("upper", 1 - 1e-3, "below"),
+    ):
         bad = tmp_path / "bad.h5"
         shutil.copy(good, bad)
         with h5py.File(bad, "r+") as f:
@@ -98,7 +119,9 @@ def test_verify_finds_bounds_that_do_not_hold(hausbench: Program, tmp_path: Path
         assert said in done.stdout and "guthe" in done.stdout
 
 
-def test_verify_refuses_shapes_that_were_not_measured(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_verify_refuses_shapes_that_were_not_measured(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     file = run(hausbench, experiment, tmp_path)
     with h5py.File(file, "r+") as f:
         f["models/sha256"][0] = "0" * 64
@@ -125,22 +148,42 @@ def test_results_that_are_not(hausbench: Program, experiment: Path, tmp_path: Pa
         del f["cases/lower"]
         f["cases/lower"] = [1.0, 2.0]
     for name in (*cases, "foreign.h5", "newer.h5", "ragged.h5", "absent.h5"):
-        verbs: list[list[str | Path]] = [["verify", name], ["compare", name, good], ["merge", "out.h5", name, good]]
+        verbs: list[list[str | Path]] = [
+            ["verify", name],
+            ["compare", name, good],
+            ["merge", "out.h5", name, good],
+        ]
         for verb in verbs:
             assert name in hausbench.fails(*verb)
     assert "folder" in hausbench.fails("verify", tmp_path)
     assert not (tmp_path / "out.h5").exists()
 
 
-def test_files_of_older_and_newer_programs(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """A missing item gets its default, an unknown item is skipped, and an unknown counter is kept."""
+def test_files_of_older_and_newer_programs(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
+    """A missing item gets its default, an unknown item is skipped, and an unknown counter is
+    kept."""
     good = run(hausbench, experiment, tmp_path)
     shutil.copy(good, tmp_path / "older.h5")
     with h5py.File(tmp_path / "older.h5", "r+") as f:
         f["meta"].attrs["schema_version"] = 1
-        for name in ("answers", "cases/clock", "cases/exact", "cases/facts", "cases/quantity",
-                     "cases/target_pose", "cases/warm", "cases/chain", "cases/witness_direction", "cases/source_longest", "models/box",
-                     "models/longest_side", "models/polynomial", "preparation/round"):
+        for name in (
+            "answers",
+            "cases/clock",
+            "cases/exact",
+            "cases/facts",
+            "cases/quantity",
+            "cases/target_pose",
+            "cases/warm",
+            "cases/chain",
+            "cases/witness_direction",
+            "cases/source_longest",
+            "models/box",
+            "models/longest_side",
+            "models/polynomial",
+            "preparation/round",
+        ):
             del f[name]
     shutil.copy(good, tmp_path / "more.h5")
     with h5py.File(tmp_path / "more.h5", "r+") as f:
@@ -163,7 +206,9 @@ def test_folder_that_cannot_be_written(hausbench: Program, experiment: Path) -> 
     assert "/proc" in line and "--results" in line
 
 
-def test_disk_full_while_the_journal_is_written(hausbench: Program, slow: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_disk_full_while_the_journal_is_written(
+    hausbench: Program, slow: Path, tmp_path: Path
+) -> None:  # noqa: F811
     undisturbed = run(hausbench, slow, tmp_path / "whole")
     folder = tmp_path / "full"
 
@@ -172,7 +217,11 @@ def test_disk_full_while_the_journal_is_written(hausbench: Program, slow: Path, 
 
     done = subprocess.run(
         hausbench.command("run", slow, "--results", folder, "--quiet"),
-        env=hausbench.environment(), capture_output=True, text=True, preexec_fn=small_files, timeout=120,
+        env=hausbench.environment(),
+        capture_output=True,
+        text=True,
+        preexec_fn=small_files,
+        timeout=120,
     )
     assert done.returncode == 2, (done.returncode, done.stderr)
     assert len(done.stderr.strip().splitlines()) == 1 and "make room" in done.stderr
@@ -181,7 +230,9 @@ def test_disk_full_while_the_journal_is_written(hausbench: Program, slow: Path, 
     same_answers(run(hausbench, slow, folder), undisturbed)
 
 
-def test_wrong_hash_in_the_manifest(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_hash_in_the_manifest(
+    hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     root = tmp_path / "root"
     (root / "datasets").mkdir(parents=True)
     (root / "datasets" / "manifest.toml").write_text(
@@ -191,7 +242,9 @@ def test_wrong_hash_in_the_manifest(hausbench: Program, experiment: Path, tmp_pa
     (root / "datasets" / "mine.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     experiment.write_text(experiment.read_text().replace("sphere1", "mine"))
     done = subprocess.run(
-        hausbench.command("run", experiment, "--results", tmp_path), capture_output=True, text=True,
+        hausbench.command("run", experiment, "--results", tmp_path),
+        capture_output=True,
+        text=True,
         env={**hausbench.environment(), "HAUSBENCH_ROOT": str(root)},
     )
     assert done.returncode == 0, done.stderr
@@ -209,15 +262,17 @@ def test_explain_says_what_run_does(hausbench: Program, tmp_path: Path) -> None:
     assert "target octree" in out and "takes no mesh" in out and "coarser tolerances" in out
     with h5py.File(file, "r") as f:
         reasons = {str(r) for r in f["ledger/reason"].asstr()[:]}
-        run_rows = int(np.sum((f["cases/from_trace"][:] == 0) & (f["cases/status"].asstr()[:] != "skipped")))
+        run_rows = int(
+            np.sum((f["cases/from_trace"][:] == 0) & (f["cases/status"].asstr()[:] != "skipped"))
+        )
     assert f"{run_rows} to run" in out
     assert all(reason in out for reason in reasons if "needs()" not in reason)
     assert f"{run_rows} of {run_rows} cases have times" in out
 
 
 def test_harness_overhead_per_case(hausbench: Program, tmp_path: Path) -> None:
-    # The limit on the harness's time per case, the best of five runs, is the time to start a process. An idle machine
-    # takes 2 to 4 ms, but other tests run beside this one.
+    # The limit on the harness's time per case, the best of five runs, is the time to start a
+    # process. An idle machine takes 2 to 4 ms, but other tests run beside this one.
     text = (
         'title = "many small cases"\ntolerances = [1e-3]\nof = "diagonal"\nrepeats = 0\n'
         '[[scene]]\nname = "s"\nsource = "sphere0"\ntarget = "sphere1"\n'

@@ -1,4 +1,5 @@
-"""`hausbench run` gives every case a row, keeps finished cases, and continues when it is run again."""
+"""`hausbench run` gives every case a row, keeps finished cases, and continues when it is run
+again."""
 
 from __future__ import annotations
 
@@ -69,15 +70,21 @@ def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
     # Bounds read off a trace are within their tolerance.
     from_trace = numbers(file, "cases/from_trace") == 1
     gap, tolerance = upper - lower, numbers(file, "cases/tolerance_absolute")
-    assert from_trace.any() and np.all(gap[from_trace & answered] <= tolerance[from_trace & answered])
+    assert from_trace.any() and np.all(
+        gap[from_trace & answered] <= tolerance[from_trace & answered]
+    )
     with h5py.File(file, "r") as f:
         assert f["meta"].attrs["schema_version"] == 2
-        assert f["meta"].attrs["experiment_toml"] == (ROOT / "experiments" / "smoke.toml").read_text()
+        assert (
+            f["meta"].attrs["experiment_toml"] == (ROOT / "experiments" / "smoke.toml").read_text()
+        )
         assert len(f["repeats/wall_seconds"]) > 0 and np.all(f["repeats/wall_seconds"][:] > 0)
         assert len(f["ledger/reason"]) > 0
 
 
-def test_same_command_again_runs_nothing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_same_command_again_runs_nothing(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     file = run(hausbench, experiment, tmp_path)
     first = numbers(file, "repeats/wall_seconds")
     run(hausbench, experiment, tmp_path)
@@ -86,17 +93,25 @@ def test_same_command_again_runs_nothing(hausbench: Program, experiment: Path, t
     assert not np.array_equal(first, numbers(file, "repeats/wall_seconds"))
 
 
-def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_another_experiment_of_the_same_name_does_not_replace_a_result(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     file = run(hausbench, experiment, tmp_path)
     before = file.read_bytes()
     other = tmp_path / "other" / experiment.name
     other.parent.mkdir()
     other.write_text(experiment.read_text())
-    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text under another name
+    assert (
+        hausbench("run", other, "--results", tmp_path).returncode == 0
+    )  # the same text under another name
     run(hausbench, experiment, tmp_path)
     other.write_text(experiment.read_text() + "# edited\n")
     said = hausbench.fails("run", other, "--results", tmp_path)
-    assert f"is the result of another experiment of this name, {experiment}:" in said and "--results" in said and "--fresh" in said
+    assert (
+        f"is the result of another experiment of this name, {experiment}:" in said
+        and "--results" in said
+        and "--fresh" in said
+    )
     assert file.stat().st_size == len(before)
     experiment.write_text(other.read_text() + "# edited in place\n")
     run(hausbench, experiment, tmp_path)
@@ -108,7 +123,8 @@ def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench
 
 def test_structures_are_built_once_for_all_poses(hausbench: Program, tmp_path: Path) -> None:
     experiment = tmp_path / "moved.toml"
-    experiment.write_text("""\
+    experiment.write_text(
+        """\
 title = "moved"
 tolerances = [1e-12]
 of = "diagonal"
@@ -120,29 +136,40 @@ target = "gaussian_1k_b"
 motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 5 }
 [[solver]]
 name = "ohd"
-""")
+"""
+    )
     file = run(hausbench, experiment, tmp_path)
     with h5py.File(file, "r") as f:
         built = np.unique(f["cases/prepare_seconds"][:])
         entry = list(f["ledger/what"].asstr()[:]).index("structures for each pose")
-        assert len(built) == 1 and len(f["cases/lower"]) == 5 and len(np.unique(f["cases/lower"][:])) == 5
+        assert (
+            len(built) == 1
+            and len(f["cases/lower"]) == 5
+            and len(np.unique(f["cases/lower"][:])) == 5
+        )
         assert f["ledger/count"][entry] == 4 and f["ledger/kind"].asstr()[entry] == "not_prepared"
         assert f["ledger/seconds_saved"][entry] == pytest.approx(4 * built[0])
         assert f["ledger/reason"].asstr()[entry] == "built once and used for all 5 poses"
 
 
-def test_rounds_add_repeats_from_fresh_processes(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_rounds_add_repeats_from_fresh_processes(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2\nrounds = 3"))
     file = run(hausbench, experiment, tmp_path)
     assert sorted(numbers(file, "repeats/round")) == [0, 0, 1, 1, 2, 2]
     with h5py.File(file, "r") as f:
         assert list(f["answers/case"]) == [0, 0, 0] and list(f["answers/round"]) == [0, 1, 2]
         assert f["answers/wall_seconds"][0] == f["cases/solve_seconds"][0]
-        assert (f["answers/cpu_seconds"][:] > 0).all() and len(set(f["answers/wall_seconds"][:])) == 3
+        assert (f["answers/cpu_seconds"][:] > 0).all() and len(
+            set(f["answers/wall_seconds"][:])
+        ) == 3
     assert texts(file, "cases/status") == ["ok"]
 
 
-def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_more_repeats_are_measured_when_asked_for(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     text = experiment.read_text()
     for asked, there in ((2, 2), (5, 5), (3, 5)):
         experiment.write_text(text.replace("repeats = 1", f"repeats = {asked}"))
@@ -150,16 +177,24 @@ def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment
         assert len(numbers(file, "repeats/wall_seconds")) == there
 
 
-def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_certified_is_said_of_the_options(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     # Uncertified rows may be wrong in the last digits.
-    experiment.write_text('expected_unsound = ["guthe"]\n' + experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
+    experiment.write_text(
+        'expected_unsound = ["guthe"]\n'
+        + experiment.read_text()
+        + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n'
+    )
     file = run(hausbench, experiment, tmp_path)
     for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
         given = json.loads(options)
         assert certified == (given["kernel"] == "robust" and given["certify"])
 
 
-def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_package_is_skipped_with_the_reason(
+    hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
     experiment.write_text(experiment.read_text().replace("sphere1", "bunny"))
     file = run(hausbench, experiment, tmp_path)
@@ -167,14 +202,18 @@ def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experime
     assert "run `hausbench fetch`" in texts(file, "cases/reason")[0]
 
 
-def test_two_runs_on_one_result_refuse(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_two_runs_on_one_result_refuse(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     journal = tmp_path / "tiny.journal"
     with open(journal, "w") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         assert "another run" in hausbench.fails("run", experiment, "--results", tmp_path)
 
 
-def test_a_torn_last_record_is_run_again(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+def test_a_torn_last_record_is_run_again(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
     file = run(hausbench, experiment, tmp_path)
     journal = tmp_path / "tiny.journal"
     whole = journal.read_bytes()
@@ -207,7 +246,14 @@ def test_journals_that_are_none(hausbench: Program, experiment: Path, tmp_path: 
         journal.write_text(text)
         assert said in hausbench.fails("run", experiment, "--results", tmp_path)
         assert journal.read_text() == text  # foreign files are not overwritten
-    for length in (0, 5, 16, 17, 30, len(header) - 1):  # the header was cut off while it was written
+    for length in (
+        0,
+        5,
+        16,
+        17,
+        30,
+        len(header) - 1,
+    ):  # the header was cut off while it was written
         journal.write_text(header[:length])
         run(hausbench, experiment, tmp_path)
     assert texts(file, "cases/status") == ["ok"]
@@ -240,7 +286,9 @@ def slow(tmp_path: Path) -> Path:
     return file
 
 
-def start(hausbench: Program, experiment: Path, folder: Path, *more: str) -> subprocess.Popen[bytes]:
+def start(
+    hausbench: Program, experiment: Path, folder: Path, *more: str
+) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         hausbench.command("run", experiment, "--results", folder, *more),
         env=hausbench.environment(),
@@ -269,26 +317,36 @@ def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_pat
     process.send_signal(signal.SIGINT)
     assert process.wait(30) in (130, 0)
     cut = folder / "slow.h5"
-    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case already has a row
+    assert texts(cut, "cases/identity") == texts(
+        undisturbed, "cases/identity"
+    )  # every case already has a row
     same_answers(run(hausbench, slow, folder), undisturbed)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, tmp_path: Path, number: signal.Signals) -> None:
-    """The file is read again while the signal is pending, and the interruption must not look like an unreadable file."""
+def test_ctrl_c_keeps_the_rows_of_earlier_runs(
+    hausbench: Program, slow: Path, tmp_path: Path, number: signal.Signals
+) -> None:
+    """The file is read again while the signal is pending, and the interruption must not look like
+    an unreadable file."""
     whole = run(hausbench, slow, tmp_path)
     before = texts(whole, "cases/identity")
     os.remove(tmp_path / "slow.journal")
     process = start(hausbench, slow, tmp_path, "--scene", texts(whole, "cases/scene")[0])
-    wait_for(lambda: records(tmp_path) >= 3)  # the first record is the header, written before signals are deferred
+    wait_for(
+        lambda: records(tmp_path) >= 3
+    )  # the first record is the header, written before signals are deferred
     process.send_signal(number)
     assert process.wait(30) in (130, 0)
     assert texts(whole, "cases/identity") == before and not list(tmp_path.glob("*.unreadable"))
     same_answers(run(hausbench, slow, tmp_path), whole)
 
 
-def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """All three are columns, and part of the identity only if given. Floor and cutoff are lengths."""
+def test_floor_cutoff_and_budget_are_asked_for(
+    hausbench: Program, experiment: Path, tmp_path: Path
+) -> None:
+    """All three are columns, and part of the identity only if given. Floor and cutoff are
+    lengths."""
     plain = run(hausbench, experiment, tmp_path / "plain")
     h, diagonal = numbers(plain, "cases/lower")[0], numbers(plain, "cases/source_diagonal")[0]
     text = experiment.read_text()
@@ -303,11 +361,16 @@ def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: P
     assert answers == {"floor": "h <= floor", "cutoff": "h > cutoff", "budget": ""}
     assert texts(plain, "cases/answer") == ["gap"]
     side = numbers(plain, "cases/source_longest")[0]
-    experiment.write_text(text.replace('"diagonal"', '"longest"') + "[profile.quick]\nfloor = 0.01\ncutoff = 0.5\n")
+    experiment.write_text(
+        text.replace('"diagonal"', '"longest"') + "[profile.quick]\nfloor = 0.01\ncutoff = 0.5\n"
+    )
     file = run(hausbench, experiment, tmp_path / "longest")
     assert side != diagonal and numbers(file, "models/longest_side")[0] == side
     assert numbers(file, "cases/tolerance_absolute")[0] == 1e-3 * side
-    assert (numbers(file, "cases/floor")[0], numbers(file, "cases/cutoff")[0]) == (0.01 * side, 0.5 * side)
+    assert (numbers(file, "cases/floor")[0], numbers(file, "cases/cutoff")[0]) == (
+        0.01 * side,
+        0.5 * side,
+    )
     for key in ("floor", "cutoff"):
         experiment.write_text(f"{key} = -1\n{text}")
         assert key in hausbench.fails("run", experiment, "--results", tmp_path)
@@ -344,19 +407,29 @@ def test_both_poses_and_both_directions_are_measured(hausbench: Program, tmp_pat
     experiment.write_text(BOTH)
     file = run(hausbench, experiment, tmp_path)
     assert set(texts(file, "cases/status")) == {"ok"}
-    assert set(texts(file, "cases/lower_check")) == set(texts(file, "cases/upper_check")) == {"holds"}
-    names = zip(texts(file, "cases/scene"), texts(file, "cases/quantity"), numbers(file, "cases/pose_index"))
+    assert (
+        set(texts(file, "cases/lower_check")) == set(texts(file, "cases/upper_check")) == {"holds"}
+    )
+    names = zip(
+        texts(file, "cases/scene"), texts(file, "cases/quantity"), numbers(file, "cases/pose_index")
+    )
     intervals = dict(zip(names, zip(numbers(file, "cases/lower"), numbers(file, "cases/upper"))))
     tolerance = 1.001 * max(numbers(file, "cases/tolerance_absolute"))
     forth, back = intervals["still", "directed", 0], intervals["back", "directed", 0]
     assert abs(forth[0] - back[0]) > 5 * tolerance
     for scene in ("still", "back"):
-        assert intervals[scene, "symmetric", 0][0] == pytest.approx(max(forth[0], back[0]), abs=tolerance)
+        assert intervals[scene, "symmetric", 0][0] == pytest.approx(
+            max(forth[0], back[0]), abs=tolerance
+        )
     # If both shapes move together, their distances stay.
     for quantity in ("directed", "symmetric"):
         for pose in range(3):
-            assert intervals["together", quantity, pose][0] == pytest.approx(intervals["still", quantity, 0][0], abs=tolerance)
+            assert intervals["together", quantity, pose][0] == pytest.approx(
+                intervals["still", quantity, 0][0], abs=tolerance
+            )
     moved = [i for i, pose in enumerate(numbers(file, "cases/target_pose")) if pose[9] == 4]
     assert len(moved) == 2 and {texts(file, "cases/scene")[i] for i in moved} == {"together"}
     assert hausbench("verify", file).returncode == 0
-    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # h and H of a case are different rows
+    assert (
+        hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0
+    )  # h and H of a case are different rows

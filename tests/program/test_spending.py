@@ -1,4 +1,5 @@
-"""Memory and CPU time of a case, measured with solvers and programs that use known amounts, in threads and child processes, too."""
+"""Memory and CPU time of a case, measured with solvers and programs that use known amounts, in
+threads and child processes, too."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ import pytest
 from program import Program
 
 MEGABYTE = 1 << 20
-# Differences between two equal processes: pages touched for the first time, memory that the allocator keeps, and
-# counting in batches.
+# Differences between two equal processes: pages touched for the first time, memory that the
+# allocator keeps, and counting in batches.
 SLACK = 16 * MEGABYTE
 
 EXPERIMENT = """\
@@ -36,37 +37,57 @@ parameters = {{ {parameters} }}
 """
 
 
-def rows(hausbench: Program, plugin: Path, solver: str, parameters: str, rounds: int = 1) -> dict[str, Any]:
+def rows(
+    hausbench: Program, plugin: Path, solver: str, parameters: str, rounds: int = 1
+) -> dict[str, Any]:
     experiment = hausbench.folder / "spending.toml"
     experiment.write_text(EXPERIMENT.format(solver=solver, parameters=parameters, rounds=rounds))
-    done = hausbench("run", experiment, "--results", hausbench.folder, "--fresh", "--plugin", plugin)
+    done = hausbench(
+        "run", experiment, "--results", hausbench.folder, "--fresh", "--plugin", plugin
+    )
     assert done.returncode == 0, done.stderr
     with h5py.File(hausbench.folder / "spending.h5") as f:
-        found: dict[str, Any] = {f"{group}/{name}": column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
-                                 for group in ("cases", "repeats", "preparation") for name, column in f[group].items()}
+        found: dict[str, Any] = {
+            f"{group}/{name}": column.asstr()[:]
+            if h5py.check_string_dtype(column.dtype)
+            else column[:]
+            for group in ("cases", "repeats", "preparation")
+            for name, column in f[group].items()
+        }
     assert list(found["cases/status"]) == ["ok"] * 3, found["cases/reason"]
     return found
 
 
 def test_memory_of_preparing_counts_in_every_case(hausbench: Program, plugin: Path) -> None:
     for peak in rows(hausbench, plugin, "spending", "prepare_megabytes = 200")["cases/peak_bytes"]:
-        assert 199 * MEGABYTE <= peak <= 200 * MEGABYTE + SLACK  # the kernel counts pages in batches
+        assert (
+            199 * MEGABYTE <= peak <= 200 * MEGABYTE + SLACK
+        )  # the kernel counts pages in batches
 
 
 def test_memory_of_solving_counts_in_its_case_alone(hausbench: Program, plugin: Path) -> None:
-    peaks = rows(hausbench, plugin, "spending", "prepare_megabytes = 50, solve_megabytes = 200, at = 1.0")["cases/peak_bytes"]
+    peaks = rows(
+        hausbench, plugin, "spending", "prepare_megabytes = 50, solve_megabytes = 200, at = 1.0"
+    )["cases/peak_bytes"]
     for peak, megabytes in zip(peaks, (50, 200, 50)):
         assert (megabytes - 1) * MEGABYTE <= peak <= megabytes * MEGABYTE + SLACK
 
 
-@pytest.mark.parametrize("solver, settings", [("spending", {"prepare_megabytes": 150, "solve_megabytes": 50}),
-                                              ("spending", {"prepare_megabytes": 50, "solve_megabytes": 150}),
-                                              ("guthe", {})])
-def test_run_and_measure_mean_the_same_memory(hausbench: Program, plugin: Path, tmp_path: Path, solver: str,
-                                              settings: dict[str, int]) -> None:
+@pytest.mark.parametrize(
+    "solver, settings",
+    [
+        ("spending", {"prepare_megabytes": 150, "solve_megabytes": 50}),
+        ("spending", {"prepare_megabytes": 50, "solve_megabytes": 150}),
+        ("guthe", {}),
+    ],
+)
+def test_run_and_measure_mean_the_same_memory(
+    hausbench: Program, plugin: Path, tmp_path: Path, solver: str, settings: dict[str, int]
+) -> None:
     experiment = tmp_path / "same.toml"
     given = ", ".join(f"{name} = {value}" for name, value in settings.items())
-    experiment.write_text(f"""\
+    experiment.write_text(
+        f"""\
 title = "one pose"
 tolerances = [2.0]
 of = "absolute"
@@ -78,25 +99,41 @@ target = "{'sphere1' if settings else 'sphere5'}"
 [[solver]]
 name = "{solver}"
 parameters = {{ {given} }}
-""")
+"""
+    )
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "same.h5") as f:
         ran = int(f["cases/peak_bytes"][0])
     model = tmp_path / "model.off"
     assert hausbench("export", "sphere1" if settings else "sphere5", model).returncode == 0
-    done = hausbench("measure", model, model, "--solver", solver, "--tolerance=2", "--of=absolute", "--json", "--plugin", plugin,
-                     *[f"--set={name}={value}" for name, value in settings.items()])
+    done = hausbench(
+        "measure",
+        model,
+        model,
+        "--solver",
+        solver,
+        "--tolerance=2",
+        "--of=absolute",
+        "--json",
+        "--plugin",
+        plugin,
+        *[f"--set={name}={value}" for name, value in settings.items()],
+    )
     assert done.returncode == 0, done.stderr
     measured = json.loads(done.stdout)["peak_bytes"]
-    assert ran > 2 * MEGABYTE and abs(ran - measured) <= (SLACK if settings else min(SLACK, 0.75 * ran)), (ran, measured)
+    assert ran > 2 * MEGABYTE and abs(ran - measured) <= (
+        SLACK if settings else min(SLACK, 0.75 * ran)
+    ), (ran, measured)
 
 
 def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin: Path) -> None:
     for threads in (1, 2):  # even one, because the waiting thread's clock stands still
         found = rows(hausbench, plugin, "spending", f"threads = {threads}, seconds = 0.06")
         assert list(found["cases/clock"]) == ["wall"] * 3
-        assert (found["repeats/cpu_seconds"] >= threads * 0.06).all() and (found["repeats/wall_seconds"] >= 0.06).all()
+        assert (found["repeats/cpu_seconds"] >= threads * 0.06).all() and (
+            found["repeats/wall_seconds"] >= 0.06
+        ).all()
     found = rows(hausbench, plugin, "spending", "threads = 0")
     assert list(found["cases/clock"]) == ["cpu"] * 3
     # For solves of microseconds, reading the clocks must not count as CPU time.
@@ -105,9 +142,11 @@ def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin:
 
 
 def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> None:
-    burn = ("import time; [None for _ in iter(lambda: time.process_time() < 0.3, False)]; "
-            "print(0, 2)")
-    command = f'''command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (2)$' '''
+    burn = (
+        "import time; [None for _ in iter(lambda: time.process_time() < 0.3, False)]; "
+        "print(0, 2)"
+    )
+    command = f"""command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (2)$' """
     found = rows(hausbench, plugin, "external", command)
     assert list(found["cases/clock"]) == ["cpu"] * 3
     assert (found["repeats/cpu_seconds"] >= 0.3).all()

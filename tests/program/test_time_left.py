@@ -30,10 +30,15 @@ def seconds_left(said: str) -> dict[int, int]:
 
 
 def test_short_cases_promise_no_short_run(hausbench: Program, tmp_path: Path) -> None:
-    """The last case takes a thousand times the work of all others. Cases kept from an earlier run must not lower its estimate."""
+    """The last case takes a thousand times the work of all others. Cases kept from an earlier run
+    must not lower its estimate."""
     experiment = tmp_path / "longest_last.toml"
     experiment.write_text(EXPERIMENT)
     assert seconds_left(hausbench("run", experiment, "--results", tmp_path).stderr)[3] >= 1
-    assert seconds_left(hausbench("run", experiment, "--results", tmp_path, "--fresh").stderr)[3] >= 1
+    assert (
+        seconds_left(hausbench("run", experiment, "--results", tmp_path, "--fresh").stderr)[3] >= 1
+    )
     experiment.write_text(EXPERIMENT.replace("1000, 1100", "1001, 1101"))
-    assert seconds_left(hausbench("run", experiment, "--results", tmp_path).stderr)[1] == 0, "the long one is finished"
+    assert (
+        seconds_left(hausbench("run", experiment, "--results", tmp_path).stderr)[1] == 0
+    ), "the long one is finished"

@@ -39,7 +39,8 @@ def test_directed_and_symmetric_of_meshes(tetrahedron: Mesh) -> None:
     answer = hb.directed(tetrahedron, raised(tetrahedron))
     assert answer.interval.contains(0.25) and answer.interval.width <= 1e-6 * math.sqrt(3)
     assert answer.status == "converged" and answer.quantity == "h(A,B)"
-    # Without its lower part the other way is shorter or equal; the apex is 0.25 above, over a slope.
+    # Without its lower part the other way is shorter or equal; the apex is 0.25 above, over a
+    # slope.
     both = hb.symmetric(tetrahedron, raised(tetrahedron))
     assert both.interval.contains(0.25) and both.quantity == "H(A,B)"
 
@@ -59,7 +60,9 @@ def test_points_against_all_pairs(seed: int) -> None:
     random = np.random.default_rng(seed)
     points, others = random.normal(size=(200, 3)), random.normal(size=(150, 3))
     answer = hb.directed(points, others)
-    assert answer.interval.lower - 1e-12 <= distance(points, others) <= answer.interval.upper + 1e-12
+    assert (
+        answer.interval.lower - 1e-12 <= distance(points, others) <= answer.interval.upper + 1e-12
+    )
     witness = answer.witness
     assert witness is not None
     assert tuple(points[witness.source_row]) == pytest.approx(witness.source_point)
@@ -72,44 +75,79 @@ def test_the_same_bits_for_every_layout(small_sphere: Mesh) -> None:
     expected = hb.directed(small_sphere, target).interval
     wide = np.zeros((len(vertices), 7))
     wide[:, 1:6:2] = vertices
-    layouts: list[Any] = [np.asfortranarray(vertices), wide[:, 1:6:2], vertices[::-1].copy()[::-1], np.repeat(vertices, 2, axis=0)[::2],
-               vertices[:, ::-1].copy()[:, ::-1], vertices.astype(">f8"), vertices.tolist()]
+    layouts: list[Any] = [
+        np.asfortranarray(vertices),
+        wide[:, 1:6:2],
+        vertices[::-1].copy()[::-1],
+        np.repeat(vertices, 2, axis=0)[::2],
+        vertices[:, ::-1].copy()[:, ::-1],
+        vertices.astype(">f8"),
+        vertices.tolist(),
+    ]
     for layout in layouts:
         assert hb.directed((layout, faces), target).interval == expected
     kinds: list[Any] = [np.int32, np.int64, np.int16, np.uint16, np.uint32, np.uint64, ">i4", ">i8"]
     for kind in kinds:
         assert hb.directed((vertices, faces.astype(kind)), target).interval == expected
-    assert hb.directed((vertices, np.asfortranarray(faces)[::-1][::-1]), target).interval == expected
+    assert (
+        hb.directed((vertices, np.asfortranarray(faces)[::-1][::-1]), target).interval == expected
+    )
 
 
 def test_float32_means_its_own_values(small_sphere: Mesh) -> None:
     single = small_sphere[0].astype(np.float32)
     target = sphere(9, 0.1)
-    assert (hb.directed((single, small_sphere[1]), target).interval
-            == hb.directed((single.astype(float), small_sphere[1]), target).interval)
+    assert (
+        hb.directed((single, small_sphere[1]), target).interval
+        == hb.directed((single.astype(float), small_sphere[1]), target).interval
+    )
 
 
 def test_units_of_tolerances(small_sphere: Mesh) -> None:
     target = sphere(9, 0.1)
     diagonal = hb.Shape(*small_sphere).diagonal
     assert hb.directed(small_sphere, target, tolerance=1e-2).interval.width <= 1e-2 * diagonal
-    assert hb.directed(small_sphere, target, tolerance=1e-4, relative_to="length").interval.width <= 1e-4
+    assert (
+        hb.directed(small_sphere, target, tolerance=1e-4, relative_to="length").interval.width
+        <= 1e-4
+    )
     relative = hb.directed(small_sphere, target, tolerance=1e-3, relative_to="lower").interval
     assert relative.width <= 1e-3 * relative.lower * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("bad", [{"tolerance": 0}, {"tolerance": -1}, {"tolerance": math.nan}, {"tolerance": "fine"}, {"threads": 0},
-                                 {"threads": 1.5}, {"threads": 2**40}, {"relative_to": "box"}, {"time_limit": math.nan},
-                                 {"solver": "gues"}, {"options": {"no_such": 1}}, {"relative_to": []}])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"tolerance": 0},
+        {"tolerance": -1},
+        {"tolerance": math.nan},
+        {"tolerance": "fine"},
+        {"threads": 0},
+        {"threads": 1.5},
+        {"threads": 2**40},
+        {"relative_to": "box"},
+        {"time_limit": math.nan},
+        {"solver": "gues"},
+        {"options": {"no_such": 1}},
+        {"relative_to": []},
+    ],
+)
 def test_wrong_options_are_named(tetrahedron: Mesh, bad: dict[str, Any]) -> None:
     with pytest.raises(hb.InputError) as error:
         hb.directed(tetrahedron, tetrahedron, **bad)
     text = str(error.value)
-    assert "\n" not in text and (next(iter(bad)) in text or "no_such" in text or "gues" in text), text
+    assert "\n" not in text and (
+        next(iter(bad)) in text or "no_such" in text or "gues" in text
+    ), text
 
 
 def test_options_are_keywords_only(tetrahedron: Mesh) -> None:
-    functions: tuple[Callable[..., object], ...] = (hb.directed, hb.symmetric, hb.distribution, hb.field)
+    functions: tuple[Callable[..., object], ...] = (
+        hb.directed,
+        hb.symmetric,
+        hb.distribution,
+        hb.field,
+    )
     for ask in functions:
         with pytest.raises(TypeError):
             ask(tetrahedron, tetrahedron, 1e-3)
@@ -118,13 +156,19 @@ def test_options_are_keywords_only(tetrahedron: Mesh) -> None:
 def test_solvers_and_options(small_sphere: Mesh) -> None:
     assert {"cover", "scan"} <= set(hb.solvers())
     target = sphere(9, 0.1)
-    one, other = hb.directed(small_sphere, target, solver="guthe").interval, hb.directed(small_sphere, target).interval
+    one, other = (
+        hb.directed(small_sphere, target, solver="guthe").interval,
+        hb.directed(small_sphere, target).interval,
+    )
     assert one.lower <= other.upper and other.lower <= one.upper
 
 
 def test_threads_change_no_answer(small_sphere: Mesh) -> None:
     target = sphere(9, 0.1)
-    assert hb.directed(small_sphere, target, threads=2).interval == hb.directed(small_sphere, target).interval
+    assert (
+        hb.directed(small_sphere, target, threads=2).interval
+        == hb.directed(small_sphere, target).interval
+    )
 
 
 def test_within(tetrahedron: Mesh) -> None:
@@ -156,7 +200,9 @@ def test_a_time_limit_leaves_a_true_interval() -> None:
     mesh, target = sphere(60, 0.1), sphere(50, 0.1)
     early, late = hb.directed(mesh, target, time_limit=0), hb.directed(mesh, target)
     assert early.status == "time_limit"
-    assert early.interval.lower <= late.interval.upper and late.interval.lower <= early.interval.upper
+    assert (
+        early.interval.lower <= late.interval.upper and late.interval.lower <= early.interval.upper
+    )
 
 
 def test_poses(small_sphere: Mesh) -> None:
@@ -169,14 +215,29 @@ def test_poses(small_sphere: Mesh) -> None:
         found = hb.directed(small_sphere, target, pose=pose).interval
         assert found.lower <= expected.upper and expected.lower <= found.upper
     turned = hb.directed(small_sphere, target, pose=QUARTER_TURN).interval
-    assert turned.contains(hb.directed((vertices @ QUARTER_TURN.T, faces), target).interval.lower) or turned.width > 0
+    assert (
+        turned.contains(hb.directed((vertices @ QUARTER_TURN.T, faces), target).interval.lower)
+        or turned.width > 0
+    )
     back = hb.directed(target, small_sphere, target_pose=(QUARTER_TURN, [1, 2, 3])).interval
     moved = hb.directed(target, (vertices @ QUARTER_TURN.T + [1, 2, 3], faces)).interval
     assert back.lower <= moved.upper and moved.lower <= back.upper
 
 
-@pytest.mark.parametrize("pose", [np.eye(2), np.full((4, 4), np.nan), np.ones((4, 4)), (np.eye(3), [1, 2]), np.eye(4)[:3], "turn",
-                                  (np.eye(4), [0, 0, 0]), np.eye(4, dtype=complex), None and 0])
+@pytest.mark.parametrize(
+    "pose",
+    [
+        np.eye(2),
+        np.full((4, 4), np.nan),
+        np.ones((4, 4)),
+        (np.eye(3), [1, 2]),
+        np.eye(4)[:3],
+        "turn",
+        (np.eye(4), [0, 0, 0]),
+        np.eye(4, dtype=complex),
+        None and 0,
+    ],
+)
 def test_wrong_poses_are_named(tetrahedron: Mesh, pose: Any) -> None:
     if pose is None:
         return
@@ -189,9 +250,15 @@ def test_distribution_against_all_points() -> None:
     points, others = random.normal(size=(300, 3)), random.normal(size=(200, 3))
     exact = np.sort(np.sqrt(((points[:, None] - others[None]) ** 2).sum(-1)).min(1))
     found = hb.distribution(points, others, quantiles=[0.95], within=[0.5])
-    for bounds, value in ((found.mean, exact.mean()), (found.rms, math.sqrt((exact**2).mean())), (found.deviation, exact.std()),
-                          (found.maximum, exact[-1]), (found.quantile(0.95), exact[math.ceil(0.95 * 300) - 1]),
-                          (found.share_within(0.5), (exact <= 0.5).mean()), (found.quantile(0.3), exact[89])):
+    for bounds, value in (
+        (found.mean, exact.mean()),
+        (found.rms, math.sqrt((exact**2).mean())),
+        (found.deviation, exact.std()),
+        (found.maximum, exact[-1]),
+        (found.quantile(0.95), exact[math.ceil(0.95 * 300) - 1]),
+        (found.share_within(0.5), (exact <= 0.5).mean()),
+        (found.quantile(0.3), exact[89]),
+    ):
         assert isinstance(bounds, hb.Interval)
         assert bounds.lower - 1e-12 <= value <= bounds.upper + 1e-12
 
@@ -202,17 +269,28 @@ def test_distribution_asks_for_what_is_listed(small_sphere: Mesh) -> None:
     mean = found.mean
     assert "mean" in repr(found) and found.mean is mean
     assert found.median.lower <= found.quantile(0.5).upper
-    assert repr(hb.distribution(small_sphere, small_sphere, statistics=())) == "<Distribution: nothing asked yet>"
+    assert (
+        repr(hb.distribution(small_sphere, small_sphere, statistics=()))
+        == "<Distribution: nothing asked yet>"
+    )
 
 
 def test_distribution_asks_for_mean_and_rms_if_nothing_is_listed(small_sphere: Mesh) -> None:
     target = sphere(9, 0.1)
-    assert "mean [" in repr(hb.distribution(small_sphere, target)) and "rms [" in repr(hb.distribution(small_sphere, target))
+    assert "mean [" in repr(hb.distribution(small_sphere, target)) and "rms [" in repr(
+        hb.distribution(small_sphere, target)
+    )
     listed = hb.distribution(small_sphere, target, quantiles=0.95, within=0.1)
-    assert "mean" not in repr(listed) and "quantile 0.95" in repr(listed) and "within 0.1" in repr(listed)
+    assert (
+        "mean" not in repr(listed)
+        and "quantile 0.95" in repr(listed)
+        and "within 0.1" in repr(listed)
+    )
 
 
-@pytest.mark.parametrize("wrong", [{"solver": 3}, {"solver": "covr"}, {"options": 3}, {"options": {"no": 1}}])
+@pytest.mark.parametrize(
+    "wrong", [{"solver": 3}, {"solver": "covr"}, {"options": 3}, {"options": {"no": 1}}]
+)
 def test_wrong_solvers_are_named(tetrahedron: Mesh, wrong: dict[str, Any]) -> None:
     with pytest.raises(hb.InputError) as error:
         hb.directed(tetrahedron, tetrahedron, **wrong)
@@ -221,7 +299,11 @@ def test_wrong_solvers_are_named(tetrahedron: Mesh, wrong: dict[str, Any]) -> No
 
 def test_paths_are_checked(tetrahedron: Mesh) -> None:
     mesh: Any = tetrahedron
-    calls: list[tuple[Callable[..., object], list[Any]]] = [(hb.read, [mesh]), (hb.verify, [mesh, mesh, "p"]), (hb.certify, [mesh, mesh, 3])]
+    calls: list[tuple[Callable[..., object], list[Any]]] = [
+        (hb.read, [mesh]),
+        (hb.verify, [mesh, mesh, "p"]),
+        (hb.certify, [mesh, mesh, 3]),
+    ]
     for call, arguments in calls:
         with pytest.raises(hb.InputError, match="path"):
             call(*arguments)
@@ -244,9 +326,24 @@ def test_distribution_over_both_shapes() -> None:
     assert hb.distribution(near, far, over="larger").maximum.contains(4)
 
 
-@pytest.mark.parametrize("bad", [{"statistics": ["average"]}, {"quantiles": [95]}, {"within": [-1]}, {"over": "both"},
-                                 {"weigh": "length"}, {"share_tolerance": 0}, {"quantiles": [math.nan]}, {"quantiles": 0}, {"within": "far"},
-                                 {"statistics": 3}, {"tolerance": 0}, {"tolerance": math.inf}, {"time_limit": -1}])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"statistics": ["average"]},
+        {"quantiles": [95]},
+        {"within": [-1]},
+        {"over": "both"},
+        {"weigh": "length"},
+        {"share_tolerance": 0},
+        {"quantiles": [math.nan]},
+        {"quantiles": 0},
+        {"within": "far"},
+        {"statistics": 3},
+        {"tolerance": 0},
+        {"tolerance": math.inf},
+        {"time_limit": -1},
+    ],
+)
 def test_wrong_statistics_are_named(tetrahedron: Mesh, bad: dict[str, Any]) -> None:
     with pytest.raises(hb.InputError, match=next(iter(bad))):
         hb.distribution(tetrahedron, tetrahedron, **bad)
@@ -274,7 +371,10 @@ def test_prepared_gives_the_answers_of_single_calls(small_sphere: Mesh) -> None:
             found = prepared.directed(shape, pose=pose).interval
             assert found.lower <= single.upper and single.lower <= found.upper
     assert prepared.within(source, 10) is True
-    assert prepared.symmetric(source).interval.lower <= hb.symmetric(small_sphere, target).interval.upper
+    assert (
+        prepared.symmetric(source).interval.lower
+        <= hb.symmetric(small_sphere, target).interval.upper
+    )
     assert prepared.field(source).lower.shape == (len(small_sphere[0]),)
     assert prepared.distribution(source).mean.upper >= 0
 
@@ -307,7 +407,12 @@ def test_shapes_and_files(small_sphere: Mesh, sphere_file: Path) -> None:
     again = pickle.loads(pickle.dumps(shape))
     assert hb.directed(again, sphere(9)).interval == expected
     points = hb.Shape(small_sphere[0])
-    assert not points.is_mesh and points.faces is None and "points" in repr(points) and points.vertex_count == len(small_sphere[0])
+    assert (
+        not points.is_mesh
+        and points.faces is None
+        and "points" in repr(points)
+        and points.vertex_count == len(small_sphere[0])
+    )
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
@@ -321,7 +426,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 def test_what_a_proof_states_is_an_interval(upper: str, small_sphere: Mesh, tmp_path: Path) -> None:
     proof, target = tmp_path / "proof", sphere(9, 0.1)
     interval = hb.certify(small_sphere, target, proof).interval
-    content = proof.read_bytes()[:-len("\nsha256 \n") - 64]
+    content = proof.read_bytes()[: -len("\nsha256 \n") - 64]
     changed = re.sub(rb'"upper":[^,}]*', b'"upper":' + upper.encode(), content, count=1)
     proof.write_bytes(changed + b"\nsha256 " + hashlib.sha256(changed).hexdigest().encode() + b"\n")
     verdict = hb.verify(proof, small_sphere, target)
@@ -346,7 +451,10 @@ def test_certify_and_verify(small_sphere: Mesh, tmp_path: Path) -> None:
         answer = hb.certify(small_sphere, target, proof, symmetric=symmetric, tolerance=1e-3)
         verdict = hb.verify(proof, small_sphere, target)
         assert verdict and verdict.accepted, verdict.text
-        assert verdict.interval.lower == answer.interval.lower and verdict.proven <= answer.interval.upper * (1 + 1e-9)
+        assert (
+            verdict.interval.lower == answer.interval.lower
+            and verdict.proven <= answer.interval.upper * (1 + 1e-9)
+        )
         # The file states what it proves, which may be a little more than the bound of the answer.
         assert verdict.interval.upper == max(answer.interval.upper, verdict.proven)
     with pytest.raises(hb.InputError):
@@ -390,7 +498,10 @@ def test_objects_of_other_packages(small_sphere: Mesh) -> None:
     expected = hb.directed(small_sphere, target).interval
     assert hb.directed(TrimeshLike(small_sphere), target).interval == expected
     assert hb.directed(Open3dMesh(small_sphere), target).interval == expected
-    assert hb.directed(Cloud(small_sphere[0]), target).interval == hb.directed(small_sphere[0], target).interval
+    assert (
+        hb.directed(Cloud(small_sphere[0]), target).interval
+        == hb.directed(small_sphere[0], target).interval
+    )
     with pytest.raises(hb.InputError, match=r"^A: faces: .*VTK.*reshape\(-1, 4\)\[:, 1:\]"):
         hb.directed(PyvistaLike(small_sphere), target)
     for nothing in (None, 3, object(), {"vertices": 1}, b"bytes"):
@@ -403,8 +514,14 @@ def test_intervals_never_guess() -> None:
     assert interval < 3 and interval <= 2 and interval > 0.5 and interval >= 1
     assert not interval < 1 and not interval > 2 and not interval <= 0.5 and not interval >= 2.5
     assert interval < hb.Interval(2.5, 3) and not interval >= hb.Interval(2.5, 3)
-    asks: list[Callable[[], object]] = [lambda: interval < 1.5, lambda: interval >= 1.5, lambda: interval < 2, lambda: interval > hb.Interval(0, 1.5),
-                lambda: np.float64(1.5) < interval, lambda: 1.5 >= interval]
+    asks: list[Callable[[], object]] = [
+        lambda: interval < 1.5,
+        lambda: interval >= 1.5,
+        lambda: interval < 2,
+        lambda: interval > hb.Interval(0, 1.5),
+        lambda: np.float64(1.5) < interval,
+        lambda: 1.5 >= interval,
+    ]
     for ask in asks:
         with pytest.raises(hb.Undecided) as undecided:
             ask()
@@ -417,8 +534,15 @@ def test_intervals_never_guess() -> None:
     assert type(hb.Interval(of_numpy, 2).lower) is float  # else numpy 2 prints 'np.float64(1.0)'
     assert hb.Interval(0, 2**60 + 1).upper == 2**60 + 1
     anything: Any = interval
-    wrongs: list[Callable[[], object]] = [lambda: float(anything), lambda: bool(anything), lambda: anything == 1.5, lambda: anything + 1,
-                                           lambda: anything == np.float32(1.5), lambda: anything < "3", lambda: anything != 1]
+    wrongs: list[Callable[[], object]] = [
+        lambda: float(anything),
+        lambda: bool(anything),
+        lambda: anything == 1.5,
+        lambda: anything + 1,
+        lambda: anything == np.float32(1.5),
+        lambda: anything < "3",
+        lambda: anything != 1,
+    ]
     for wrong in wrongs:
         with pytest.raises(TypeError):
             wrong()
@@ -430,11 +554,20 @@ def test_intervals_never_guess() -> None:
 
 def test_intervals_are_values() -> None:
     interval = hb.Interval(0.1, 0.3)
-    assert interval == hb.Interval(0.1, 0.3) and interval != hb.Interval(0.1, 0.4) and len({interval, hb.Interval(0.1, 0.3)}) == 1
+    assert (
+        interval == hb.Interval(0.1, 0.3)
+        and interval != hb.Interval(0.1, 0.4)
+        and len({interval, hb.Interval(0.1, 0.3)}) == 1
+    )
     for change in ("lower", "upper", "width", "other"):
         with pytest.raises(AttributeError):
             setattr(interval, change, 1)
-    assert tuple(interval) == (0.1, 0.3) and interval.contains(0.2) and not interval.contains(0.31) and not interval.contains(math.nan)
+    assert (
+        tuple(interval) == (0.1, 0.3)
+        and interval.contains(0.2)
+        and not interval.contains(0.31)
+        and not interval.contains(math.nan)
+    )
     assert pickle.loads(pickle.dumps(interval)) == copy.deepcopy(interval) == interval
     assert eval(repr(interval), {"Interval": hb.Interval}) == interval
 
@@ -442,11 +575,23 @@ def test_intervals_are_values() -> None:
 def test_printed_intervals_hold() -> None:
     random = np.random.default_rng(1)
     for digits in (1, 3, 9, 17):
-        for value in [*(random.normal(size=50) * 10.0 ** random.integers(-30, 30, 50)), 0.0, 9.9999999999, 1e300, 5e-324, 123456.0]:
+        for value in [
+            *(random.normal(size=50) * 10.0 ** random.integers(-30, 30, 50)),
+            0.0,
+            9.9999999999,
+            1e300,
+            5e-324,
+            123456.0,
+        ]:
             text = format(hb.Interval(value, value), f".{digits}g")
             lower, upper = map(float, text.strip("[]").split(", "))
-            assert lower <= value <= upper and abs(upper - lower) <= max(abs(value) * 20.0 * 10.0**-digits, 1e-320), text
-    assert str(hb.Interval(0, math.inf)) == "[0, inf]" and f"{hb.Interval(1 / 3, 2 / 3):.2g}" == "[0.33, 0.67]"
+            assert lower <= value <= upper and abs(upper - lower) <= max(
+                abs(value) * 20.0 * 10.0**-digits, 1e-320
+            ), text
+    assert (
+        str(hb.Interval(0, math.inf)) == "[0, inf]"
+        and f"{hb.Interval(1 / 3, 2 / 3):.2g}" == "[0.33, 0.67]"
+    )
     with pytest.raises(ValueError):
         format(hb.Interval(0, 1), "f")
 
@@ -461,7 +606,12 @@ def test_what_keeps_a_pair_cannot_be_pickled(protocol: int, tetrahedron: Mesh) -
 
 def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
     point, others = [[0, 0, 1]], [[0, 0, 0]]
-    rounded: list[Any] = [Fraction(10**30 - 1, 10**30), Decimal("0.1"), np.int64(2**53 + 1), 2**53 + 1]
+    rounded: list[Any] = [
+        Fraction(10**30 - 1, 10**30),
+        Decimal("0.1"),
+        np.int64(2**53 + 1),
+        2**53 + 1,
+    ]
     exact: list[Any] = [Fraction(3, 2), np.float32(1.5)]
     large: Any = np.int64(2**53 + 1)
     true: Any = np.bool_(True)
@@ -482,7 +632,9 @@ def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
 def test_a_signal_handler_may_ask_about_the_same_shapes() -> None:
     A, B = hb.Shape(*sphere(300, 0.1)), hb.Shape(*sphere(290, 0.1))
     asked = list[hb.Answer]()
-    before = signal.signal(signal.SIGALRM, lambda *_: asked.append(hb.directed(A, B, time_limit=0.01)))
+    before = signal.signal(
+        signal.SIGALRM, lambda *_: asked.append(hb.directed(A, B, time_limit=0.01))
+    )
     signal.setitimer(signal.ITIMER_REAL, 0.01)
     try:
         answer = hb.directed(A, B)
@@ -491,7 +643,10 @@ def test_a_signal_handler_may_ask_about_the_same_shapes() -> None:
     finally:
         signal.signal(signal.SIGALRM, before)
     assert answer.status == "converged"
-    assert asked[0].interval.lower <= answer.interval.upper and answer.interval.lower <= asked[0].interval.upper
+    assert (
+        asked[0].interval.lower <= answer.interval.upper
+        and answer.interval.lower <= asked[0].interval.upper
+    )
 
 
 def test_only_solvers_whose_bounds_hold_are_offered() -> None:
@@ -508,16 +663,28 @@ def test_exceptions_can_be_pickled() -> None:
 
 def test_progress_shows_bounds_that_hold() -> None:
     rough, fine = sphere(40), sphere(60)
-    functions: tuple[Callable[..., hb.Answer], ...] = (hb.directed, hb.symmetric, hb.prepare(fine).directed)
+    functions: tuple[Callable[..., hb.Answer], ...] = (
+        hb.directed,
+        hb.symmetric,
+        hb.prepare(fine).directed,
+    )
     for ask in functions:
         seen: list[hb.Interval] = []
         arguments = (rough,) if ask not in (hb.directed, hb.symmetric) else (rough, fine)
         answer = ask(*arguments, progress=seen.append)
-        assert seen and all(one.lower <= answer.interval.upper and answer.interval.lower <= one.upper for one in seen)
+        assert seen and all(
+            one.lower <= answer.interval.upper and answer.interval.lower <= one.upper
+            for one in seen
+        )
     shown: list[dict[str, hb.Interval]] = []
-    found = hb.distribution(rough, fine, statistics=["mean", "maximum"], tolerance=1e-4, progress=shown.append)
+    found = hb.distribution(
+        rough, fine, statistics=["mean", "maximum"], tolerance=1e-4, progress=shown.append
+    )
     assert len(shown) >= 2 and all(set(one) == {"mean", "maximum"} for one in shown)
-    assert all(one["mean"].lower <= found.mean.upper and found.mean.lower <= one["mean"].upper for one in shown)
+    assert all(
+        one["mean"].lower <= found.mean.upper and found.mean.lower <= one["mean"].upper
+        for one in shown
+    )
 
 
 def test_what_a_progress_function_raises_ends_the_question() -> None:

@@ -23,7 +23,11 @@ def test_directed_hausdorff_is_scipy_s(columns: int, seed: int) -> None:
 
 def test_directed_hausdorff_of_equal_points() -> None:
     points = np.random.default_rng(0).normal(size=(50, 3))
-    assert compat.directed_hausdorff(points, points[::-1])[0] == directed_hausdorff(points, points[::-1])[0] == 0
+    assert (
+        compat.directed_hausdorff(points, points[::-1])[0]
+        == directed_hausdorff(points, points[::-1])[0]
+        == 0
+    )
 
 
 def test_integers_are_points() -> None:
@@ -32,9 +36,18 @@ def test_integers_are_points() -> None:
     assert distance == 5 and (i, j) == (1, 0)
 
 
-@pytest.mark.parametrize("u, v", [(np.zeros((2, 4)), np.zeros((2, 4))), (np.zeros((2, 2)), np.zeros((2, 3))), (np.zeros(3), np.zeros(3)),
-                                  (np.zeros((0, 3)), np.zeros((2, 3))), (np.zeros((0, 2)), np.zeros((2, 2))),
-                                  (np.full((2, 2), np.nan), np.zeros((2, 2))), (np.zeros((2, 2), bool), np.zeros((2, 2)))])
+@pytest.mark.parametrize(
+    "u, v",
+    [
+        (np.zeros((2, 4)), np.zeros((2, 4))),
+        (np.zeros((2, 2)), np.zeros((2, 3))),
+        (np.zeros(3), np.zeros(3)),
+        (np.zeros((0, 3)), np.zeros((2, 3))),
+        (np.zeros((0, 2)), np.zeros((2, 2))),
+        (np.full((2, 2), np.nan), np.zeros((2, 2))),
+        (np.zeros((2, 2), bool), np.zeros((2, 2))),
+    ],
+)
 def test_other_arrays_are_refused(u: object, v: object) -> None:
     with pytest.raises(hb.InputError, match="^u"):
         compat.directed_hausdorff(u, v)  # type: ignore[arg-type]
@@ -44,6 +57,8 @@ def test_igl_s_hausdorff_is_a_number_above_the_vertices(small_sphere: Mesh) -> N
     target = sphere(9, 0.1)
     found = compat.hausdorff(*small_sphere, *target)
     assert type(found) is float
-    of_vertices = max(hb.field(small_sphere, target).lower.max(), hb.field(target, small_sphere).lower.max())
+    of_vertices = max(
+        hb.field(small_sphere, target).lower.max(), hb.field(target, small_sphere).lower.max()
+    )
     assert of_vertices <= found
     assert hb.symmetric(small_sphere, target).interval.contains(found)

@@ -16,14 +16,17 @@ EXPECTED = re.compile(r"^ *print\(.*\) *# (.*)$", re.MULTILINE)
 
 
 def wrong_lines(text: str) -> list[str]:
-    """Runs all blocks of a page. Returns one line for each block that prints something else than its comments say."""
+    """Runs all blocks of a page. Returns one line for each block that prints something else than
+    its comments say."""
     names: dict[str, object] = {}
     wrong = []
     for number, block in enumerate(BLOCK.findall(text), 1):
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             exec(compile(block, f"block {number}", "exec"), names)
-        if (found := printed.getvalue().split()) != (said := " ".join(EXPECTED.findall(block)).split()):
+        if (found := printed.getvalue().split()) != (
+            said := " ".join(EXPECTED.findall(block)).split()
+        ):
             wrong.append(f"block {number} prints {' '.join(found)}, not {' '.join(said)}")
     return wrong
 

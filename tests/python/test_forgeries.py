@@ -1,4 +1,5 @@
-"""Forged proofs of each kind of tests/forgeries.py are refused; `python3 tests/forgeries.py` tries 1,000 of each."""
+"""Forged proofs of each kind of tests/forgeries.py are refused; `python3 tests/forgeries.py` tries
+1,000 of each."""
 
 from __future__ import annotations
 
@@ -22,7 +23,10 @@ def test_no_forgery_is_accepted(kind: str, tmp_path: Path) -> None:
     c = forgeries.CLibrary(library) if library.exists() else None
     program = PROGRAM if PROGRAM.exists() else None
     for i, one in enumerate(forgeries.forgeries(kind, 40, 7, tmp_path)):
-        assert forgeries.accepted_by(one, tmp_path, c, program if i % 10 == 0 else None) == [], (i, one.header)
+        assert forgeries.accepted_by(one, tmp_path, c, program if i % 10 == 0 else None) == [], (
+            i,
+            one.header,
+        )
 
 
 def test_true_proofs_are_accepted(tmp_path: Path) -> None:
@@ -31,4 +35,8 @@ def test_true_proofs_are_accepted(tmp_path: Path) -> None:
     forger = forgeries.Forger(8, tmp_path)
     for _ in range(20):
         pair = forger.pair()
-        assert {"Python"} <= set(forgeries.accepted_by(pair.forged(pair.header), tmp_path, c, None)) <= {"Python", "C"}
+        assert (
+            {"Python"}
+            <= set(forgeries.accepted_by(pair.forged(pair.header), tmp_path, c, None))
+            <= {"Python", "C"}
+        )

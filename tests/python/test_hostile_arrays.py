@@ -45,17 +45,33 @@ def test_unsigned_indices_out_of_range(tetrahedron: Mesh) -> None:
 
 
 def test_empty_arrays(tetrahedron: Mesh) -> None:
-    nothings: list[Any] = [np.zeros((0, 3)), np.zeros((0, 3), np.float32), [], np.zeros(0), np.zeros((3, 0)), ()]
+    nothings: list[Any] = [
+        np.zeros((0, 3)),
+        np.zeros((0, 3), np.float32),
+        [],
+        np.zeros(0),
+        np.zeros((3, 0)),
+        (),
+    ]
     for empty in nothings:
         fails(empty)
     no_faces: list[Any] = [np.zeros((0, 3), int), np.zeros((0, 3)), [], np.zeros(0, int)]
     for faces in no_faces:
-        assert "no rows" in fails((tetrahedron[0], faces)) or "0 rows" in fails((tetrahedron[0], faces))
+        assert "no rows" in fails((tetrahedron[0], faces)) or "0 rows" in fails(
+            (tetrahedron[0], faces)
+        )
 
 
 def test_wrong_shapes(tetrahedron: Mesh) -> None:
     vertices, faces = tetrahedron
-    for points in (vertices[0], vertices[:, :2], vertices[None], np.float64(3), np.zeros((4, 4)), vertices.ravel()):
+    for points in (
+        vertices[0],
+        vertices[:, :2],
+        vertices[None],
+        np.float64(3),
+        np.zeros((4, 4)),
+        vertices.ravel(),
+    ):
         assert "(n, 3)" in fails(points)
     assert "column of zeros" in fails(vertices[:, :2])
     for wrong in (faces[0], faces[:, :2], faces[None], faces.ravel(), np.int64(3)):
@@ -65,7 +81,9 @@ def test_wrong_shapes(tetrahedron: Mesh) -> None:
     assert "triangulate" in fails((vertices, np.array([4, 0, 1, 2, 3])))
 
 
-@pytest.mark.parametrize("kind", [bool, complex, object, "U5", "S5", "M8[s]", "m8[s]", np.longdouble, "V24"])
+@pytest.mark.parametrize(
+    "kind", [bool, complex, object, "U5", "S5", "M8[s]", "m8[s]", np.longdouble, "V24"]
+)
 def test_types_of_vertices_that_are_refused(tetrahedron: Mesh, kind: Any) -> None:
     vertices = np.zeros((4, 3), kind)
     assert "type" in fails(vertices)
@@ -80,16 +98,27 @@ def test_types_of_faces_that_are_refused(tetrahedron: Mesh, kind: Any) -> None:
 def test_errors_say_what_to_do(tetrahedron: Mesh) -> None:
     vertices, faces = tetrahedron
     column = np.zeros((5, 3))
-    for wrong, remedy in ((column.T, ".T"), (np.zeros((5, 6)), "[:, :3]"), ([1, 2, 3], "[[x, y, z]]"), ([vertices, faces[:2]], "tuple"),
-                          ((vertices, faces, vertices[:2]), "tuple"), (np.zeros((4, 4, 4), bool), "argwhere"),
-                          ((vertices, np.zeros((3, 5), int)), ".T"), ((faces, vertices), "exchanged")):
+    for wrong, remedy in (
+        (column.T, ".T"),
+        (np.zeros((5, 6)), "[:, :3]"),
+        ([1, 2, 3], "[[x, y, z]]"),
+        ([vertices, faces[:2]], "tuple"),
+        ((vertices, faces, vertices[:2]), "tuple"),
+        (np.zeros((4, 4, 4), bool), "argwhere"),
+        ((vertices, np.zeros((3, 5), int)), ".T"),
+        ((faces, vertices), "exchanged"),
+    ):
         assert remedy in fails(wrong), remedy
     with pytest.raises(hb.InputError, match="hausbench.read"):
         hb.Shape("a.ply")
     with pytest.raises(hb.InputError, match="as_matrix"):
         hb.directed(tetrahedron, tetrahedron, pose=object())  # type: ignore[arg-type]
     with pytest.raises(hb.InputError, match="last column"):
-        hb.directed(tetrahedron, tetrahedron, pose=np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]))
+        hb.directed(
+            tetrahedron,
+            tetrahedron,
+            pose=np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]),
+        )
 
 
 def test_structured_ragged_and_masked_arrays(tetrahedron: Mesh) -> None:
@@ -110,7 +139,9 @@ def test_integers_that_no_double_holds() -> None:
     assert hb.directed(np.array([[2**53, 0, 0]]), np.zeros((1, 3))).interval.contains(2.0**53)
 
 
-@pytest.mark.parametrize("kind", ["i1", "u1", "i2", ">i2", "u4", "i8", ">i8", "u8", "f2", ">f4", "f4", ">f8"])
+@pytest.mark.parametrize(
+    "kind", ["i1", "u1", "i2", ">i2", "u4", "i8", ">i8", "u8", "f2", ">f4", "f4", ">f8"]
+)
 def test_types_that_are_converted(kind: str) -> None:
     assert hb.directed(np.array([[0, 3, 4]], kind), np.zeros((1, 3))).interval.contains(5)
 
@@ -121,7 +152,9 @@ def test_read_only_and_broadcast_arrays(tetrahedron: Mesh) -> None:
     vertices.flags.writeable = faces.flags.writeable = False
     assert hb.directed((vertices, faces), np.zeros((1, 3))).interval == expected
     assert hb.directed(np.broadcast_to(3.0, (5, 3)), np.zeros((1, 3))).interval.contains(27**0.5)
-    assert hb.directed(np.broadcast_to([0.0, 3, 4], (1000, 3)), np.zeros((1, 3))).interval.contains(5)
+    assert hb.directed(np.broadcast_to([0.0, 3, 4], (1000, 3)), np.zeros((1, 3))).interval.contains(
+        5
+    )
 
 
 def test_arrays_that_are_not_aligned() -> None:
@@ -198,7 +231,8 @@ def test_a_tuple_whose_parts_are_exchanged(tetrahedron: Mesh) -> None:
 
 
 def test_arrays_that_are_resized_during_calls() -> None:
-    """The arrays are copied before the library works, so that another thread may do with them what it likes."""
+    """The arrays are copied before the library works, so that another thread may do with them what
+    it likes."""
     points, target = np.ones((3000, 3)), hb.Shape(*sphere(20, 0.1))
     over = threading.Event()
 

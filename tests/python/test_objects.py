@@ -1,5 +1,6 @@
-"""Objects of other packages: each measures as the surface, lines or points that it holds, or is refused by name. Small classes
-have the attributes of these packages; the packages themselves are tried if they are installed."""
+"""Objects of other packages: each measures as the surface, lines or points that it holds, or is
+refused by name. Small classes have the attributes of these packages; the packages themselves are
+tried if they are installed."""
 
 from __future__ import annotations
 
@@ -42,7 +43,8 @@ def thing(**attributes: Any) -> Any:
     return made
 
 
-# --- line sets ----------------------------------------------------------------------------------------------------------
+# --- line sets
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_a_line_set_is_its_segments() -> None:
@@ -71,12 +73,15 @@ def test_a_path_is_its_polylines() -> None:
 
 
 def test_paths_that_are_refused() -> None:
-    assert "(Arc)" in refusal(thing(vertices=CORNERS, entities=[entity("Line", 0, 1), entity("Arc", 0, 1, 2)]))
+    assert "(Arc)" in refusal(
+        thing(vertices=CORNERS, entities=[entity("Line", 0, 1), entity("Arc", 0, 1, 2)])
+    )
     assert "to_3D" in refusal(thing(vertices=CORNERS[:, :2], entities=[entity("Line", 0, 1)]))
     assert "without entities" in refusal(thing(vertices=CORNERS, entities=[]))
 
 
-# --- VTK ----------------------------------------------------------------------------------------------------------------
+# --- VTK
+# ----------------------------------------------------------------------------------------------------------------
 
 
 class Cells:
@@ -147,15 +152,27 @@ def test_polydata() -> None:
     assert faces_of(PolyData(polys=Cells([0, 1, 2], [1, 2, 3]))) == [[0, 1, 2], [1, 2, 3]]
     assert faces_of(PolyData(strips=Cells([0, 1, 2, 3]))) == [[0, 1, 2], [1, 2, 3]]
     assert faces_of(PolyData(lines=Cells([0, 1, 2], [2, 3]))) == [[0, 1, 1], [1, 2, 2], [2, 3, 3]]
-    every = PolyData(polys=Cells([0, 1, 2]), strips=Cells([1, 2, 3]), lines=Cells([0, 3]), verts=Cells([3], [1, 2]))
+    every = PolyData(
+        polys=Cells([0, 1, 2]),
+        strips=Cells([1, 2, 3]),
+        lines=Cells([0, 3]),
+        verts=Cells([3], [1, 2]),
+    )
     assert faces_of(every) == [[0, 1, 2], [1, 2, 3], [0, 3, 3], [3, 3, 3], [1, 1, 1], [2, 2, 2]]
     both = shape(every)
     assert (both.segment_count, both.single_point_count) == (1, 3)
-    assert faces_of(PolyData(polys=Cells([0, 1], [2], [1, 2, 3]), lines=Cells([0]))) == [[1, 2, 3], [0, 1, 1], [2, 2, 2], [0, 0, 0]]
+    assert faces_of(PolyData(polys=Cells([0, 1], [2], [1, 2, 3]), lines=Cells([0]))) == [
+        [1, 2, 3],
+        [0, 1, 1],
+        [2, 2, 2],
+        [0, 0, 0],
+    ]
 
 
 def test_polydata_of_points() -> None:
-    assert shape(PolyData(verts=Cells([0], [2, 1]))).vertices.tolist() == CORNERS[[0, 2, 1]].tolist()
+    assert (
+        shape(PolyData(verts=Cells([0], [2, 1]))).vertices.tolist() == CORNERS[[0, 2, 1]].tolist()
+    )
     assert shape(PolyData()).vertex_count == 4
     assert shape(PolyData(points=CORNERS.astype(np.float32))).vertices.tolist() == CORNERS.tolist()
     assert shape(PolyData(points=Numbers(CORNERS))).vertices.tolist() == CORNERS.tolist()
@@ -164,10 +181,14 @@ def test_polydata_of_points() -> None:
 def test_vtk_objects_that_are_refused() -> None:
     assert "vtkTriangleFilter" in refusal(PolyData(polys=Cells([0, 1, 2, 3])))
     assert "Update()" in refusal(PolyData(points=None))
-    assert "RemoveGhostCells" in refusal(PolyData(polys=Cells([0, 1, 2]), ghosts=np.array([1], np.uint8)))
+    assert "RemoveGhostCells" in refusal(
+        PolyData(polys=Cells([0, 1, 2]), ghosts=np.array([1], np.uint8))
+    )
     assert faces_of(PolyData(polys=Cells([0, 1, 2]), ghosts=np.array([0], np.uint8))) == [[0, 1, 2]]
     assert "vertex 7" in refusal(PolyData(polys=Cells([0, 1, 7])))
-    assert "vertex 7" in refusal(PolyData(verts=Cells([7]))) and "vertex -1" in refusal(PolyData(verts=Cells([-1])))
+    assert "vertex 7" in refusal(PolyData(verts=Cells([7]))) and "vertex -1" in refusal(
+        PolyData(verts=Cells([-1]))
+    )
     grid = thing(GetClassName=lambda: "vtkUnstructuredGrid", points=CORNERS, cells=[])
     assert "this vtkUnstructuredGrid" in refusal(grid) and "vtkGeometryFilter" in refusal(grid)
 
@@ -184,7 +205,12 @@ def test_vtk_itself() -> None:
         points.SetData(array)
         data.SetPoints(points)
         assert shape(data).vertices.tolist() == CORNERS.tolist()
-        for put, cells in ((data.SetPolys, [[0, 1, 2]]), (data.SetLines, [[0, 1, 2]]), (data.SetStrips, [[0, 1, 2, 3]]), (data.SetVerts, [[3]])):
+        for put, cells in (
+            (data.SetPolys, [[0, 1, 2]]),
+            (data.SetLines, [[0, 1, 2]]),
+            (data.SetStrips, [[0, 1, 2, 3]]),
+            (data.SetVerts, [[3]]),
+        ):
             table = model.vtkCellArray()
             for cell in cells:
                 table.InsertNextCell(len(cell))
@@ -195,7 +221,8 @@ def test_vtk_itself() -> None:
     assert "vtkImageData" in refusal(model.vtkImageData())
 
 
-# --- open3d -------------------------------------------------------------------------------------------------------------
+# --- open3d
+# -------------------------------------------------------------------------------------------------------------
 
 
 class Tensor:
@@ -220,17 +247,28 @@ class TensorMap:
 
 
 def test_meshes_of_tensors() -> None:
-    mesh = thing(vertex=TensorMap(positions=Tensor(CORNERS)), triangle=TensorMap(indices=Tensor([[0, 1, 2]])))
+    mesh = thing(
+        vertex=TensorMap(positions=Tensor(CORNERS)), triangle=TensorMap(indices=Tensor([[0, 1, 2]]))
+    )
     assert faces_of(mesh) == [[0, 1, 2]]
-    assert "without triangles" in refusal(thing(vertex=TensorMap(positions=Tensor(CORNERS)), triangle=TensorMap()))
+    assert "without triangles" in refusal(
+        thing(vertex=TensorMap(positions=Tensor(CORNERS)), triangle=TensorMap())
+    )
     assert "no geometry" in refusal(thing(vertex=TensorMap(), triangle=TensorMap()))
 
 
 def test_point_clouds_and_line_sets_of_tensors() -> None:
-    assert shape(thing(point=TensorMap(positions=Tensor(CORNERS)))).vertices.tolist() == CORNERS.tolist()
+    assert (
+        shape(thing(point=TensorMap(positions=Tensor(CORNERS)))).vertices.tolist()
+        == CORNERS.tolist()
+    )
     assert shape(Tensor(CORNERS)).vertices.tolist() == CORNERS.tolist()
-    assert faces_of(thing(point=TensorMap(positions=Tensor(CORNERS)), line=TensorMap(indices=Tensor([[0, 1]])))) == [[0, 1, 1]]
-    assert "without lines" in refusal(thing(point=TensorMap(positions=Tensor(CORNERS)), line=TensorMap()))
+    assert faces_of(
+        thing(point=TensorMap(positions=Tensor(CORNERS)), line=TensorMap(indices=Tensor([[0, 1]])))
+    ) == [[0, 1, 1]]
+    assert "without lines" in refusal(
+        thing(point=TensorMap(positions=Tensor(CORNERS)), line=TensorMap())
+    )
 
 
 def test_open3d_itself() -> None:
@@ -242,32 +280,57 @@ def test_open3d_itself() -> None:
     tensors = open3d.t.geometry
     assert faces_of(tensors.TriangleMesh.from_legacy(box)) == expected
     edges = faces_of(lines)
-    assert len(edges) == 18 and all(b == c for _, b, c in edges) and faces_of(tensors.LineSet.from_legacy(lines)) == edges
-    for cloud in (open3d.geometry.PointCloud(box.vertices), tensors.PointCloud.from_legacy(open3d.geometry.PointCloud(box.vertices))):
+    assert (
+        len(edges) == 18
+        and all(b == c for _, b, c in edges)
+        and faces_of(tensors.LineSet.from_legacy(lines)) == edges
+    )
+    for cloud in (
+        open3d.geometry.PointCloud(box.vertices),
+        tensors.PointCloud.from_legacy(open3d.geometry.PointCloud(box.vertices)),
+    ):
         assert shape(cloud).vertices.tolist() == np.asarray(box.vertices).tolist()
     assert "volume" in refusal(open3d.geometry.TetraMesh())
     assert "no geometry" in refusal(tensors.TriangleMesh())
 
 
-# --- others -------------------------------------------------------------------------------------------------------------
+# --- others
+# -------------------------------------------------------------------------------------------------------------
 
 
 def test_meshio() -> None:
-    blocks = [thing(type="triangle", data=np.array([[0, 1, 2]])), thing(type="line", data=np.array([[0, 3]])),
-              thing(type="triangle", data=np.array([[1, 2, 3]])), thing(type="vertex", data=np.array([[3]]))]
+    blocks = [
+        thing(type="triangle", data=np.array([[0, 1, 2]])),
+        thing(type="line", data=np.array([[0, 3]])),
+        thing(type="triangle", data=np.array([[1, 2, 3]])),
+        thing(type="vertex", data=np.array([[3]])),
+    ]
     expected = [[0, 1, 2], [1, 2, 3], [0, 3, 3], [3, 3, 3]]
     assert faces_of(thing(points=CORNERS, cells=blocks)) == expected
-    assert faces_of(thing(points=CORNERS, cells=[(block.type, block.data) for block in blocks])) == expected
+    assert (
+        faces_of(thing(points=CORNERS, cells=[(block.type, block.data) for block in blocks]))
+        == expected
+    )
     assert shape(thing(points=CORNERS, cells=[])).vertex_count == 4
     for kind in ("quad", "tetra", "triangle6", "polygon"):
-        text = refusal(thing(points=CORNERS, cells=[*blocks, thing(type=kind, data=np.array([[0, 1, 2, 3]]))]))
+        text = refusal(
+            thing(points=CORNERS, cells=[*blocks, thing(type=kind, data=np.array([[0, 1, 2, 3]]))])
+        )
         assert f"({kind})" in text and "cells_dict['triangle']" in text
     meshio = pytest.importorskip("meshio")
-    assert faces_of(meshio.Mesh(CORNERS, [("triangle", [[0, 1, 2]]), ("line", [[0, 1]])])) == [[0, 1, 2], [0, 1, 1]]
+    assert faces_of(meshio.Mesh(CORNERS, [("triangle", [[0, 1, 2]]), ("line", [[0, 1]])])) == [
+        [0, 1, 2],
+        [0, 1, 1],
+    ]
 
 
 def test_marching_cubes() -> None:
-    made = CORNERS.astype(np.float32), np.array([[0, 1, 2]], np.int32), CORNERS.astype(np.float32), np.zeros(4, np.float32)
+    made = (
+        CORNERS.astype(np.float32),
+        np.array([[0, 1, 2]], np.int32),
+        CORNERS.astype(np.float32),
+        np.zeros(4, np.float32),
+    )
     assert faces_of(made) == [[0, 1, 2]]
     four_rows: Any = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
     assert not shape(four_rows).is_mesh

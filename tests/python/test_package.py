@@ -1,4 +1,5 @@
-"""The package as such: what it loads, its types, its memory and the cost of a call, its docstrings."""
+"""The package as such: what it loads, its types, its memory and the cost of a call, its
+docstrings."""
 
 from __future__ import annotations
 
@@ -21,13 +22,21 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, *arguments], env={**os.environ, **environment}, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, *arguments],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
 
 
 def test_import_loads_little() -> None:
-    script = ("import sys, numpy, hausbench; print(*sorted(name for name in sys.modules if name.split('.')[0] in "
-              "('h5py', 'pandas', 'matplotlib', 'scipy', 'dataclasses', 'hausbench')))\n"
-              "print([line.split()[-1] for line in open('/proc/self/maps') if 'assimp' in line or 'hdf5' in line])")
+    script = (
+        "import sys, numpy, hausbench; print(*sorted(name for name in sys.modules if name.split('.')[0] in "
+        "('h5py', 'pandas', 'matplotlib', 'scipy', 'dataclasses', 'hausbench')))\n"
+        "print([line.split()[-1] for line in open('/proc/self/maps') if 'assimp' in line or 'hdf5' in line])"
+    )
     done = run("-c", script)
     names, libraries = done.stdout.splitlines()
     assert {name.split(".")[0] for name in names.split()} == {"hausbench"}, done
@@ -36,7 +45,12 @@ def test_import_loads_little() -> None:
 
 
 def test_names_that_are_loaded_on_first_use() -> None:
-    assert callable(hb.compat.hausdorff) and callable(hb.distribution) and isinstance(hb.Results, type) and isinstance(hb.Distribution, type)
+    assert (
+        callable(hb.compat.hausdorff)
+        and callable(hb.distribution)
+        and isinstance(hb.Results, type)
+        and isinstance(hb.Distribution, type)
+    )
     assert all(hasattr(hb, name) for name in hb.__all__)
     with pytest.raises(AttributeError, match="no_such"):
         getattr(hb, "no_such")
@@ -51,16 +65,36 @@ def test_docstrings() -> None:
 def test_types(tmp_path: Path) -> None:
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("needs mypy: sudo apt-get install mypy")
-    search = "" if "site-packages" in FOLDER.parts else str(FOLDER.parent)  # mypy finds installed packages by py.typed
-    settings = tmp_path / "mypy.ini"  # not pyproject.toml, because stubtest compares with the Python that runs it, not with the oldest
+    search = (
+        "" if "site-packages" in FOLDER.parts else str(FOLDER.parent)
+    )  # mypy finds installed packages by py.typed
+    settings = (
+        tmp_path / "mypy.ini"
+    )  # not pyproject.toml, because stubtest compares with the Python that runs it, not with the oldest
     settings.write_text("[mypy]\nimplicit_reexport = False\nignore_missing_imports = True\n")
-    stubs = run("-m", "mypy.stubtest", "hausbench", "--mypy-config-file", str(settings), MYPYPATH=search)
+    stubs = run(
+        "-m", "mypy.stubtest", "hausbench", "--mypy-config-file", str(settings), MYPYPATH=search
+    )
     assert stubs.returncode == 0, stubs.stdout + stubs.stderr
     example = tmp_path / "example.py"
-    example.write_text("import hausbench as hb\nimport numpy as np\nanswer = hb.directed(np.zeros((1, 3)), ([[0, 0, 0]], [[0, 0, 0]]))\n"
-                       "reveal_type(answer.interval.upper)\nreveal_type(hb.within('a.ply', 'b.ply', 0.1))\n")
-    found = run("-m", "mypy", "--strict", str(example), "--cache-dir", str(tmp_path / "cache"), MYPYPATH=search)
-    assert '"builtins.float"' in found.stdout and '"builtins.bool"' in found.stdout and "error" not in found.stdout, found.stdout
+    example.write_text(
+        "import hausbench as hb\nimport numpy as np\nanswer = hb.directed(np.zeros((1, 3)), ([[0, 0, 0]], [[0, 0, 0]]))\n"
+        "reveal_type(answer.interval.upper)\nreveal_type(hb.within('a.ply', 'b.ply', 0.1))\n"
+    )
+    found = run(
+        "-m",
+        "mypy",
+        "--strict",
+        str(example),
+        "--cache-dir",
+        str(tmp_path / "cache"),
+        MYPYPATH=search,
+    )
+    assert (
+        '"builtins.float"' in found.stdout
+        and '"builtins.bool"' in found.stdout
+        and "error" not in found.stdout
+    ), found.stdout
 
 
 def resident() -> int:
@@ -122,10 +156,17 @@ def test_results(tmp_path: Path) -> None:
         cases["witness"] = np.arange(6.0).reshape(2, 3)
         file.create_group("fields")["values"] = np.zeros(7)
     results = hb.Results(path)
-    assert results.tables() == ["cases", "fields"] and results.columns()["solver"].tolist() == ["cover", "scan"]
+    assert results.tables() == ["cases", "fields"] and results.columns()["solver"].tolist() == [
+        "cover",
+        "scan",
+    ]
     pandas = pytest.importorskip("pandas")
     frame = results.to_pandas()
-    assert isinstance(frame, pandas.DataFrame) and list(frame.upper) == [0.3, 0.4] and list(frame.witness_2) == [2, 5]
+    assert (
+        isinstance(frame, pandas.DataFrame)
+        and list(frame.upper) == [0.3, 0.4]
+        and list(frame.witness_2) == [2, 5]
+    )
     with pytest.raises(hb.InputError, match="no table 'rows', but cases, fields"):
         results.columns("rows")
 
@@ -147,7 +188,9 @@ def test_results_that_lead_to_other_files(tmp_path: Path, monkeypatch: pytest.Mo
     (tmp_path / "secret").write_bytes(b"words of another")
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
-        file.create_dataset("cases/solver", shape=(1,), dtype="S16", external=[(str(tmp_path / "secret"), 0, 16)])
+        file.create_dataset(
+            "cases/solver", shape=(1,), dtype="S16", external=[(str(tmp_path / "secret"), 0, 16)]
+        )
     with pytest.raises(hb.InputError, match="/cases/solver: "):
         hb.Results(path)
     with h5py.File(path, "w") as file:
@@ -161,8 +204,12 @@ def test_results_that_lead_to_other_files(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_building_without_its_packages_names_them(tmp_path: Path) -> None:
-    done = run(str(ROOT / "setup.py"), "build_ext", "--build-lib", str(tmp_path), PATH=str(tmp_path))
+    done = run(
+        str(ROOT / "setup.py"), "build_ext", "--build-lib", str(tmp_path), PATH=str(tmp_path)
+    )
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
-    assert {"cmake", "g++", "libeigen3-dev", "pybind11-dev"} <= set(last.split()) and "libhdf5-dev" not in last
+    assert {"cmake", "g++", "libeigen3-dev", "pybind11-dev"} <= set(
+        last.split()
+    ) and "libhdf5-dev" not in last
     assert "These packages are missing" in done.stderr

@@ -29,7 +29,13 @@ def triangle(tmp_path: Path) -> Path:
 def test_a_file_without_unit_and_axes(triangle: Path) -> None:
     shape = hb.read(triangle)
     assert shape.unit is None and shape.up is None and shape.notes == ()
-    assert shape.segment_count == shape.single_point_count == shape.dropped_point_count == shape.dropped_face_count == 0
+    assert (
+        shape.segment_count
+        == shape.single_point_count
+        == shape.dropped_point_count
+        == shape.dropped_face_count
+        == 0
+    )
 
 
 def test_options(triangle: Path) -> None:
@@ -43,8 +49,20 @@ def test_options(triangle: Path) -> None:
     assert bare.unit is None and bare.up is None and bare.notes == ()
 
 
-@pytest.mark.parametrize("wrong", [{"unit": "parsec"}, {"unit": ""}, {"up": "W"}, {"unit": 3}, {"up": b"Z"}, {"format": "a\0b"},
-                                   {"columns": (2, 3, 4)}, {"drop_invalid": 1}, {"up": "\udcff"}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"unit": "parsec"},
+        {"unit": ""},
+        {"up": "W"},
+        {"unit": 3},
+        {"up": b"Z"},
+        {"format": "a\0b"},
+        {"columns": (2, 3, 4)},
+        {"drop_invalid": 1},
+        {"up": "\udcff"},
+    ],
+)
 def test_wrong_options_are_named(wrong: dict[str, Any], triangle: Path) -> None:
     with pytest.raises(hb.InputError, match=f"^{next(iter(wrong))}: "):
         hb.read(triangle, **wrong)
@@ -62,11 +80,23 @@ def test_dropped_points_are_counted(tmp_path: Path) -> None:
 
 
 def test_different_units_are_refused(triangle: Path) -> None:
-    inches, metres, plain = hb.read(triangle, unit="inch"), hb.read(triangle, unit="m"), hb.read(triangle)
-    asks: list[Callable[[hb.Shape, hb.Shape], object]] = [hb.directed, hb.symmetric, hb.distribution, hb.field,
-                                                          lambda A, B: hb.prepare(B).directed(A)]
+    inches, metres, plain = (
+        hb.read(triangle, unit="inch"),
+        hb.read(triangle, unit="m"),
+        hb.read(triangle),
+    )
+    asks: list[Callable[[hb.Shape, hb.Shape], object]] = [
+        hb.directed,
+        hb.symmetric,
+        hb.distribution,
+        hb.field,
+        lambda A, B: hb.prepare(B).directed(A),
+    ]
     for ask in asks:
-        with pytest.raises(hb.InputError, match=r'A \(.*a.off\) is in inch and B \(.*a.off\) in m: .*unit="mm".*"none"'):
+        with pytest.raises(
+            hb.InputError,
+            match=r'A \(.*a.off\) is in inch and B \(.*a.off\) in m: .*unit="mm".*"none"',
+        ):
             ask(inches, metres)
         ask(inches, inches)
         ask(inches, plain)
@@ -75,17 +105,30 @@ def test_different_units_are_refused(triangle: Path) -> None:
 
 def test_different_axes_are_refused(triangle: Path) -> None:
     z, x = hb.read(triangle, up="Z"), hb.read(triangle, up="X")
-    with pytest.raises(hb.InputError, match=r'Z points up in A \(.*a.off\) and X in B .*up="Z".*"none"'):
+    with pytest.raises(
+        hb.InputError, match=r'Z points up in A \(.*a.off\) and X in B .*up="Z".*"none"'
+    ):
         hb.directed(z, x)
     assert hb.directed(z, triangle).interval.contains(0)
 
 
-@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda shape: pickle.loads(pickle.dumps(shape)),
-                                       lambda shape: pickle.loads(pickle.dumps(shape, 0))])
+@pytest.mark.parametrize(
+    "duplicate",
+    [
+        copy.copy,
+        copy.deepcopy,
+        lambda shape: pickle.loads(pickle.dumps(shape)),
+        lambda shape: pickle.loads(pickle.dumps(shape, 0)),
+    ],
+)
 def test_copies_keep_unit_axes_and_notes(triangle: Path, duplicate: Any) -> None:
     shape = hb.read(triangle, unit="ft", up="Z")
     other = duplicate(shape)
-    assert (other.unit, other.up, other.notes) == (shape.unit, "Z", shape.notes) and shape.unit == 0.3048
+    assert (other.unit, other.up, other.notes) == (
+        shape.unit,
+        "Z",
+        shape.notes,
+    ) and shape.unit == 0.3048
     assert hb.directed(shape, other).interval.contains(0)
     with pytest.raises(hb.InputError, match="is in ft and B .* in mm"):
         hb.directed(other, hb.read(triangle, unit="mm"))
@@ -101,7 +144,9 @@ def test_a_copy_keeps_the_counts(tetrahedron: Mesh) -> None:
 
 def test_a_pose_may_be_a_text_file(tetrahedron: Mesh, tmp_path: Path) -> None:
     file = tmp_path / "align.txt"
-    file.write_text("# moved by (3, 4, 0)\n1 0 0 3\n0 1, 0 4.0e0\n0\t0 1. 0\n0 0 0 1  # the last row\n")
+    file.write_text(
+        "# moved by (3, 4, 0)\n1 0 0 3\n0 1, 0 4.0e0\n0\t0 1. 0\n0 0 0 1  # the last row\n"
+    )
     poses: list[Pose] = [file, str(file)]
     for pose in poses:
         moved = hb.directed([[0, 0, 0]], [[0, 0, 0]], pose=pose, tolerance=1e-9)
@@ -109,9 +154,19 @@ def test_a_pose_may_be_a_text_file(tetrahedron: Mesh, tmp_path: Path) -> None:
     assert hb.directed([[0, 0, 0]], [[0, 0, 0]], target_pose=file).interval.contains(5)
 
 
-@pytest.mark.parametrize(("text", "said"), [("1 0 0 0 1 0 0 0 1", "has 9 numbers: give the 16"), ("", "has 0 numbers"), ("1 2 x", "'x' is not a number"),
-                                            ("1 0 0 0 0 1 0 0 0 0 1 0 3 4 0 1", "last column"), ("nan " * 16, "'nan' is not a number"),
-                                            ("1e999 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "not finite"), ("1_0 " * 16, "not a number"), ("1 " * 40000, "numbers")])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("1 0 0 0 1 0 0 0 1", "has 9 numbers: give the 16"),
+        ("", "has 0 numbers"),
+        ("1 2 x", "'x' is not a number"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 3 4 0 1", "last column"),
+        ("nan " * 16, "'nan' is not a number"),
+        ("1e999 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "not finite"),
+        ("1_0 " * 16, "not a number"),
+        ("1 " * 40000, "numbers"),
+    ],
+)
 def test_other_text_files_are_no_poses(text: str, said: str, tmp_path: Path) -> None:
     file = tmp_path / "align.txt"
     file.write_text(text)
@@ -127,17 +182,23 @@ def test_poses_that_are_no_files(tmp_path: Path) -> None:
 
 
 def test_the_message_about_a_mask_has_the_recipe_of_its_boundary() -> None:
-    """Two balls of 15 voxels, 4 apart. All voxels as points have an HD95 of 2.449 and an ASSD of 0.367."""
+    """Two balls of 15 voxels, 4 apart. All voxels as points have an HD95 of 2.449 and an ASSD of
+    0.367."""
     ndimage = pytest.importorskip("scipy.ndimage")
     scipy = pytest.importorskip("scipy")
     grid = np.indices((40, 40, 40)) - 19.5
-    masks = [((grid - np.reshape([shift, 0, 0], (3, 1, 1, 1)))**2).sum(0) < 15**2 for shift in (0, 4)]
+    masks = [
+        ((grid - np.reshape([shift, 0, 0], (3, 1, 1, 1))) ** 2).sum(0) < 15**2 for shift in (0, 4)
+    ]
     for wrong in (masks[0], masks[0].astype(np.uint8)):
         with pytest.raises(hb.InputError) as error:
             hb.distribution(wrong, wrong)
         text = str(error.value)
-    recipe = text[text.index("numpy.argwhere"):text.index(" * spacing")] + " * spacing"
-    boundaries = [eval(recipe, {"numpy": np, "scipy": scipy, "mask": mask, "spacing": (1, 1, 1)}) for mask in masks]
+    recipe = text[text.index("numpy.argwhere") : text.index(" * spacing")] + " * spacing"
+    boundaries = [
+        eval(recipe, {"numpy": np, "scipy": scipy, "mask": mask, "spacing": (1, 1, 1)})
+        for mask in masks
+    ]
     assert ndimage is scipy.ndimage
     both = hb.distribution(*boundaries, over="pooled", quantiles=[0.95], statistics="mean")
     assert f"{both.quantile(0.95).upper:.3f} {both.mean.upper:.3f}" == "3.742 1.923"

@@ -1,4 +1,5 @@
-"""Python gives the bits of the program. HAUSBENCH_PAIRS says for how many random pairs (default: 100)."""
+"""Python gives the bits of the program. HAUSBENCH_PAIRS says for how many random pairs (default:
+100)."""
 
 from __future__ import annotations
 
@@ -32,7 +33,12 @@ def random_shape(random: np.random.Generator) -> Floats | Mesh:
     vertices = random.normal(size=(int(random.integers(3, 40)), 3)) * 10.0 ** random.integers(-3, 4)
     if random.random() < 0.25:
         return vertices
-    order = np.concatenate([random.permutation(len(vertices)), random.integers(0, len(vertices), -len(vertices) % 3 + 30)])
+    order = np.concatenate(
+        [
+            random.permutation(len(vertices)),
+            random.integers(0, len(vertices), -len(vertices) % 3 + 30),
+        ]
+    )
     return vertices, order.reshape(-1, 3)
 
 
@@ -50,11 +56,19 @@ def write(shape: Floats | Mesh, path: Path) -> Path:
 def test_the_bits_of_the_program(program: str, symmetric: bool, tmp_path: Path) -> None:
     random = np.random.default_rng(45 + symmetric)
     pairs = [(random_shape(random), random_shape(random)) for _ in range(COUNT)]
-    files = [(write(a, tmp_path / f"a{k}"), write(b, tmp_path / f"b{k}")) for k, (a, b) in enumerate(pairs)]
+    files = [
+        (write(a, tmp_path / f"a{k}"), write(b, tmp_path / f"b{k}"))
+        for k, (a, b) in enumerate(pairs)
+    ]
     listed = tmp_path / "pairs.txt"
     listed.write_text("".join(f"{a}, {b}\n" for a, b in files))
-    done = subprocess.run([program, "measure", "--pairs", str(listed), *(["--symmetric"] if symmetric else [])], capture_output=True,
-                          text=True, timeout=600, env={**os.environ, "HAUSBENCH_ROOT": str(ROOT)})
+    done = subprocess.run(
+        [program, "measure", "--pairs", str(listed), *(["--symmetric"] if symmetric else [])],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={**os.environ, "HAUSBENCH_ROOT": str(ROOT)},
+    )
     rows = list(csv.DictReader(done.stdout.splitlines()))
     assert len(rows) == COUNT, done.stderr
     ask = hb.symmetric if symmetric else hb.directed

@@ -1,4 +1,5 @@
-"""The interpreter is free while the library works: threads run side by side, and Ctrl-C ends a long call."""
+"""The interpreter is free while the library works: threads run side by side, and Ctrl-C ends a long
+call."""
 
 from __future__ import annotations
 
@@ -52,9 +53,17 @@ CALLS = {
 
 @pytest.mark.parametrize("call", list(CALLS))
 def test_ctrl_c_raises_keyboard_interrupt(call: str) -> None:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])])}
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED.format(call=CALLS[call])], env=environment, capture_output=True,
-                          text=True, timeout=120)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])]),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED.format(call=CALLS[call])],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     assert done.returncode == 0, done.stderr
     wait, status = done.stdout.split()
     assert status == "converged"
@@ -73,7 +82,9 @@ def test_what_a_signal_handler_raises_ends_the_call() -> None:
         signal.setitimer(signal.ITIMER_REAL, 0.2)
         with pytest.raises(Enough):
             while True:
-                hb.distribution(sphere(60, 0.1), sphere(59, 0.1), tolerance=1e-13, share_tolerance=1e-12)
+                hb.distribution(
+                    sphere(60, 0.1), sphere(59, 0.1), tolerance=1e-13, share_tolerance=1e-12
+                )
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
@@ -128,8 +139,12 @@ def test_answers_of_threads_are_those_of_one(shared: bool) -> None:
         for k in range(12):
             number = (first + k) % 4
             if shared:
-                found = prepared.directed(shapes[number][0]).interval  # chains that another thread uses are not used
-                if not (found.lower <= expected[number].upper and expected[number].lower <= found.upper):
+                found = prepared.directed(
+                    shapes[number][0]
+                ).interval  # chains that another thread uses are not used
+                if not (
+                    found.lower <= expected[number].upper and expected[number].lower <= found.upper
+                ):
                     wrong.append((number, found))
             elif hb.directed(*shapes[number]).interval != expected[number]:
                 wrong.append(number)
@@ -143,10 +158,17 @@ def test_answers_of_threads_are_those_of_one(shared: bool) -> None:
 
 
 def test_a_program_may_end_while_a_thread_asks() -> None:
-    script = ("import threading, time, hausbench as hb\nfrom sample_meshes import sphere\n"
-              "A, B = sphere(150, 0.1), sphere(149, 0.1)\n"
-              "ask = lambda: hb.distribution(A, B, tolerance=1e-13, share_tolerance=1e-12)\n"
-              "threading.Thread(target=ask, daemon=True).start()\ntime.sleep(0.3)\n")
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])])}
-    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=60)
+    script = (
+        "import threading, time, hausbench as hb\nfrom sample_meshes import sphere\n"
+        "A, B = sphere(150, 0.1), sphere(149, 0.1)\n"
+        "ask = lambda: hb.distribution(A, B, tolerance=1e-13, share_tolerance=1e-12)\n"
+        "threading.Thread(target=ask, daemon=True).start()\ntime.sleep(0.3)\n"
+    )
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])]),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=60
+    )
     assert (done.returncode, done.stderr) == (0, "")

@@ -39,13 +39,22 @@ def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A virtual environment with the wheel and the system's numpy."""
     folder = tmp_path_factory.mktemp("venv")
     subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder], check=True)
-    subprocess.run([folder / "bin/python", "-m", "pip", "install", "-q", "--no-index", "--no-deps", wheel], check=True)
+    subprocess.run(
+        [folder / "bin/python", "-m", "pip", "install", "-q", "--no-index", "--no-deps", wheel],
+        check=True,
+    )
     return folder / "bin/python"
 
 
 def ask(python: Path, *arguments: str) -> list[str]:
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "HAUSBENCH_PYTHON")}
-    done = subprocess.run([python, "-c", ASK, *arguments], env=environment, cwd="/", capture_output=True, text=True)
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("PYTHONPATH", "HAUSBENCH_PYTHON")
+    }
+    done = subprocess.run(
+        [python, "-c", ASK, *arguments], env=environment, cwd="/", capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.rsplit(maxsplit=2)
 
@@ -57,7 +66,11 @@ def test_nothing_outside_the_wheel_but_the_system(python: Path) -> None:
     assert len(files) > 6
     for file in files:
         listed = subprocess.run(["ldd", file], capture_output=True, text=True, check=True).stdout
-        outside = [line for line in listed.splitlines() if str(folder) not in line and not SYSTEM.match(line.strip())]
+        outside = [
+            line
+            for line in listed.splitlines()
+            if str(folder) not in line and not SYSTEM.match(line.strip())
+        ]
         assert outside == [], file
 
 
@@ -65,7 +78,10 @@ def test_every_library_has_its_licence_and_its_source(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     listed = next(name for name in names if name.endswith("/licenses/LIBRARIES.txt"))
     text = zipfile.ZipFile(wheel).read(listed).decode()
-    known = {library["name"].split(".so")[0] for library in tomllib.loads((ROOT / "tests/library/licences.toml").read_text())["library"]}
+    known = {
+        library["name"].split(".so")[0]
+        for library in tomllib.loads((ROOT / "tests/library/licences.toml").read_text())["library"]
+    }
     for name in (name for name in names if name.startswith("hausbench.libs/")):
         line = next(line for line in text.splitlines() if line.startswith(name))
         assert f"{listed.rsplit('/', 1)[0]}/{line.split('licence in ')[1].split(';')[0]}" in names
@@ -74,7 +90,9 @@ def test_every_library_has_its_licence_and_its_source(wheel: Path) -> None:
 
 
 def test_the_tag_says_which_systems_it_runs_on(wheel: Path) -> None:
-    assert re.fullmatch(r"hausbench-[\d.]+-cp(\d+)-cp\1-manylinux_2_(3[4-9]|4\d)_\w+\.whl", wheel.name)
+    assert re.fullmatch(
+        r"hausbench-[\d.]+-cp(\d+)-cp\1-manylinux_2_(3[4-9]|4\d)_\w+\.whl", wheel.name
+    )
 
 
 def test_a_second_tbb_in_the_process(python: Path) -> None:

@@ -1,6 +1,7 @@
 """A real Slurm on this machine: a controller and two nodes of one core each, on loopback.
 
-Needs root and the Debian packages slurm-wlm and munge, but not systemd. An installed Slurm is left alone.
+Needs root and the Debian packages slurm-wlm and munge, but not systemd. An installed Slurm is left
+alone.
 """
 
 from __future__ import annotations
@@ -18,12 +19,17 @@ from pathlib import Path
 NODES = ("n1", "n2")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol")
 
+
 def missing() -> str:
     """Returns the reason why Slurm cannot run here, or an empty string."""
     if os.geteuid() != 0:
         return "it needs root"
     lacking = [name for name in NEEDED if not shutil.which(name)]
-    return f"not on the PATH: {', '.join(lacking)} (`make test-slurm` installs slurm-wlm and munge)" if lacking else ""
+    return (
+        f"not on the PATH: {', '.join(lacking)} (`make test-slurm` installs slurm-wlm and munge)"
+        if lacking
+        else ""
+    )
 
 
 def free_ports(count: int) -> list[int]:
@@ -48,15 +54,43 @@ def configuration(folder: Path) -> str:
     host = socket.gethostname().split(".")[0]
     controller, *ports = free_ports(1 + len(NODES))
     lines = [
-        "ClusterName=hausbench", f"SlurmctldHost={host}(127.0.0.1)", "AuthType=auth/munge", f"AuthInfo=socket={folder}/munge/socket,cred_expire=5",
-        "CredType=cred/munge", "SlurmUser=root", "SlurmdUser=root", f"SlurmctldPort={controller}", f"StateSaveLocation={folder}/state",
-        f"SlurmdSpoolDir={folder}/%n", f"SlurmctldPidFile={folder}/slurmctld.pid", f"SlurmdPidFile={folder}/%n.pid",
-        f"SlurmctldLogFile={folder}/slurmctld.log", f"SlurmdLogFile={folder}/%n.log", "ProctrackType=proctrack/linuxproc", "TaskPlugin=task/none",
-        "JobAcctGatherType=jobacct_gather/none", "AccountingStorageType=accounting_storage/none", "SelectType=select/cons_tres",
-        "SelectTypeParameters=CR_Core", "ReturnToService=2", "SchedulerParameters=sched_interval=2,bf_interval=2", "SlurmdTimeout=5",
-        "MpiDefault=none", "KillWait=2"]
-    lines += [f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN" for node, port in zip(NODES, ports)]
-    return "\n".join([*lines, f"PartitionName=all Nodes={','.join(NODES)} Default=YES MaxTime=INFINITE State=UP", ""])
+        "ClusterName=hausbench",
+        f"SlurmctldHost={host}(127.0.0.1)",
+        "AuthType=auth/munge",
+        f"AuthInfo=socket={folder}/munge/socket,cred_expire=5",
+        "CredType=cred/munge",
+        "SlurmUser=root",
+        "SlurmdUser=root",
+        f"SlurmctldPort={controller}",
+        f"StateSaveLocation={folder}/state",
+        f"SlurmdSpoolDir={folder}/%n",
+        f"SlurmctldPidFile={folder}/slurmctld.pid",
+        f"SlurmdPidFile={folder}/%n.pid",
+        f"SlurmctldLogFile={folder}/slurmctld.log",
+        f"SlurmdLogFile={folder}/%n.log",
+        "ProctrackType=proctrack/linuxproc",
+        "TaskPlugin=task/none",
+        "JobAcctGatherType=jobacct_gather/none",
+        "AccountingStorageType=accounting_storage/none",
+        "SelectType=select/cons_tres",
+        "SelectTypeParameters=CR_Core",
+        "ReturnToService=2",
+        "SchedulerParameters=sched_interval=2,bf_interval=2",
+        "SlurmdTimeout=5",
+        "MpiDefault=none",
+        "KillWait=2",
+    ]
+    lines += [
+        f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN"
+        for node, port in zip(NODES, ports)
+    ]
+    return "\n".join(
+        [
+            *lines,
+            f"PartitionName=all Nodes={','.join(NODES)} Default=YES MaxTime=INFINITE State=UP",
+            "",
+        ]
+    )
 
 
 class Slurm:
@@ -75,8 +109,17 @@ class Slurm:
         (self.folder / "slurm.conf").write_text(configuration(self.folder))
         munge = self.folder / "munge"
         try:
-            self._start("munged", "munged", "--foreground", "--force", f"--key-file={munge}/key", f"--socket={munge}/socket",
-                        f"--pid-file={munge}/pid", f"--log-file={munge}/log", f"--seed-file={munge}/seed")
+            self._start(
+                "munged",
+                "munged",
+                "--foreground",
+                "--force",
+                f"--key-file={munge}/key",
+                f"--socket={munge}/socket",
+                f"--pid-file={munge}/pid",
+                f"--log-file={munge}/log",
+                f"--seed-file={munge}/seed",
+            )
             wait_until("munged", (munge / "socket").exists)
             self._start("slurmctld", "slurmctld", "-D", "-f", self.environment["SLURM_CONF"])
             for node in NODES:
@@ -101,7 +144,9 @@ class Slurm:
 
     def _start(self, name: str, *command: str) -> None:
         with (self.folder / f"{name}.out").open("ab") as out:
-            self._daemons[name] = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
+            self._daemons[name] = subprocess.Popen(
+                command, env=self.environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out
+            )
 
     def start_node(self, node: str) -> None:
         self._start(node, "slurmd", "-D", "-N", node, "-f", self.environment["SLURM_CONF"])
@@ -122,7 +167,8 @@ class Slurm:
                     pass
 
     def steps(self, node: str) -> list[int]:
-        """Returns Slurm's processes that supervise the node's tasks; each has the node's spool folder or log open."""
+        """Returns Slurm's processes that supervise the node's tasks; each has the node's spool
+        folder or log open."""
         found = []
         for process in Path("/proc").iterdir():
             if not process.name.isdecimal():
@@ -133,18 +179,32 @@ class Slurm:
                 opened = [os.readlink(link) for link in (process / "fd").iterdir()]
             except OSError:
                 continue
-            if any(name.startswith((f"{self.folder}/{node}.log", f"{self.folder}/{node}/")) for name in opened):
+            if any(
+                name.startswith((f"{self.folder}/{node}.log", f"{self.folder}/{node}/"))
+                for name in opened
+            ):
                 found.append(int(process.name))
         return found
 
     def states(self) -> dict[str, str]:
         """Returns the state of each node: `idle`, `mixed`, `down*`, ..."""
-        done = subprocess.run(["sinfo", "--noheader", "--Node", "--format=%N %T"], env=self.environment, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            ["sinfo", "--noheader", "--Node", "--format=%N %T"],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         return dict(line.split() for line in done.stdout.splitlines())
 
     def queue(self) -> list[str]:
-        done = subprocess.run(["squeue", "--noheader", "--array", "--format=%j %K %T"], env=self.environment, capture_output=True, text=True,
-                              check=True)
+        done = subprocess.run(
+            ["squeue", "--noheader", "--array", "--format=%j %K %T"],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return done.stdout.splitlines()
 
 

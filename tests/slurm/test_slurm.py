@@ -1,4 +1,5 @@
-"""Runs an experiment as jobs of a real Slurm. Although a task is killed and a node lost, the result equals a local run."""
+"""Runs an experiment as jobs of a real Slurm. Although a task is killed and a node lost, the result
+equals a local run."""
 
 from __future__ import annotations
 
@@ -41,8 +42,10 @@ def experiment(folder: Path) -> Path:
     for i in range(SCENES):
         text += f'\n[[scene]]\nname = "clouds {i}"\nsource = "a{i}"\ntarget = "b{i}"\n'
         for name, seed in (("a", i + 1), ("b", i + 101)):
-            text += (f'[model.{name}{i}]\nsource = "generated"\nrecipe = "gaussian_points"\ncount = 60000\nseed = {seed}\nsigma = 1.0\n'
-                     "x = 0.0\ny = 0.0\nz = 0.0\n")
+            text += (
+                f'[model.{name}{i}]\nsource = "generated"\nrecipe = "gaussian_points"\ncount = 60000\nseed = {seed}\nsigma = 1.0\n'
+                "x = 0.0\ny = 0.0\nz = 0.0\n"
+            )
     file = folder / "clouds.toml"
     file.write_text(text)
     return file
@@ -60,7 +63,15 @@ def slurm(tmp_path: Path) -> Iterator[Slurm]:
 
 def hausbench(slurm: Slurm, *words: str | Path, good: tuple[int, ...] = (0,)) -> str:
     environment = {**slurm.environment, "HAUSBENCH_ROOT": str(ROOT)}
-    done = subprocess.run([PROGRAM, *map(str, words)], env=environment, cwd=slurm.folder, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        [PROGRAM, *map(str, words)],
+        env=environment,
+        cwd=slurm.folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     assert done.returncode in good, (done.returncode, done.stdout, done.stderr)
     return done.stdout + done.stderr
 
@@ -69,9 +80,17 @@ def rows(file: Path) -> dict[str, tuple[object, ...]]:
     """Returns each row's contents, except times, by identity. Checks that each case has one row."""
     with h5py.File(file) as result:
         cases = result["cases"]
-        columns = [cases[name][()] for name in ("identity", "status", "lower", "upper", "witness_source", "witness_target")]
+        columns = [
+            cases[name][()]
+            for name in ("identity", "status", "lower", "upper", "witness_source", "witness_target")
+        ]
         side_by_side = cases["side_by_side"][()]
-    found = {one[0]: tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in one[1:]) for one in zip(*columns)}
+    found = {
+        one[0]: tuple(
+            value.tobytes() if isinstance(value, np.ndarray) else value for value in one[1:]
+        )
+        for one in zip(*columns)
+    }
     assert len(found) == len(columns[0]) == 3 * SCENES
     assert len(set(side_by_side)) == 1
     return found
@@ -100,15 +119,23 @@ def test_a_killed_task_and_a_lost_node_cost_only_their_cases(slurm: Slurm, tmp_p
     submit = ("run", file, "--engine", "slurm", "--shards", str(SHARDS), "--results", results)
     assert f"{3 * SCENES} cases in {SHARDS} of {SHARDS} shards" in hausbench(slurm, *submit)
     wait_until("two shards run", lambda: bool(runs_shard(1) and runs_shard(2)))
-    assert f"{SHARDS} shards are in the queue already" in hausbench(slurm, *submit), "what waits or runs is not submitted twice"
-    assert f"{SHARDS} shards are in the queue already" in hausbench(slurm, *submit[:-1], f"{results}/../results/", "--scene", "clouds 0"), (
-        "a part of it, in a folder that is spelled otherwise")
-    assert "scancel" in hausbench(slurm, *submit[:-3], "2", *submit[-2:], good=(2,)), "nor split otherwise meanwhile"
+    assert f"{SHARDS} shards are in the queue already" in hausbench(
+        slurm, *submit
+    ), "what waits or runs is not submitted twice"
+    assert f"{SHARDS} shards are in the queue already" in hausbench(
+        slurm, *submit[:-1], f"{results}/../results/", "--scene", "clouds 0"
+    ), "a part of it, in a folder that is spelled otherwise"
+    assert "scancel" in hausbench(
+        slurm, *submit[:-3], "2", *submit[-2:], good=(2,)
+    ), "nor split otherwise meanwhile"
 
     wait_until("a case is finished", lambda: finished(slurm, file, results) > 0)
     for pid in runs_shard(1):
         os.kill(pid, signal.SIGKILL)
-    wait_until("the second node works again or still", lambda: slurm.states()["n2"] in ("allocated", "mixed"))
+    wait_until(
+        "the second node works again or still",
+        lambda: slurm.states()["n2"] in ("allocated", "mixed"),
+    )
     slurm.lose_node("n2")
     wait_until("the node is missed", lambda: slurm.states()["n2"].startswith("down"), 120)
     slurm.start_node("n2")
@@ -117,14 +144,18 @@ def test_a_killed_task_and_a_lost_node_cost_only_their_cases(slurm: Slurm, tmp_p
     collected = (results / "clouds.quick.slurm" / "logs" / "collect.log").read_text()
     before = finished(slurm, file, results)
     assert 0 < before < 3 * SCENES and "cases are missing: submit again" in collected
-    assert "not in the queue: submit again" in hausbench(slurm, "status", file, "--results", results)
+    assert "not in the queue: submit again" in hausbench(
+        slurm, "status", file, "--results", results
+    )
 
     said = hausbench(slurm, *submit, "--wait")
     assert f"{3 * SCENES - before} cases in " in said, "only what is missing is run"
     assert f"{3 * SCENES} ok" in said, "and what the collection says is shown"
     assert finished(slurm, file, results) == 3 * SCENES
     (results / "clouds.h5").unlink()
-    assert f"{3 * SCENES} ok" in hausbench(slurm, *submit), "where all is finished, it is collected at once"
+    assert f"{3 * SCENES} ok" in hausbench(
+        slurm, *submit
+    ), "where all is finished, it is collected at once"
 
     hausbench(slurm, "run", file, "--results", here, "--jobs", "2", "--quiet")
     assert rows(results / "clouds.h5") == rows(here / "clouds.h5")
@@ -132,9 +163,33 @@ def test_a_killed_task_and_a_lost_node_cost_only_their_cases(slurm: Slurm, tmp_p
 
 def test_without_slurm_it_says_what_to_do(tmp_path: Path) -> None:
     environment = {**os.environ, "HAUSBENCH_ROOT": str(ROOT), "PATH": "/nowhere"}
-    done = subprocess.run([PROGRAM, "run", experiment(tmp_path), "--engine", "slurm", "--results", tmp_path / "results"], env=environment,
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "squeue: not found" in done.stderr and "--shard i/n" in done.stderr
-    done = subprocess.run([PROGRAM, "status", tmp_path / "clouds.toml", "--results", tmp_path / "results"], env=environment,
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and "the queue is not known" in done.stderr and done.stdout.split()[-3:] == ["all", str(3 * SCENES), "0"]
+    done = subprocess.run(
+        [
+            PROGRAM,
+            "run",
+            experiment(tmp_path),
+            "--engine",
+            "slurm",
+            "--results",
+            tmp_path / "results",
+        ],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (
+        done.returncode == 2 and "squeue: not found" in done.stderr and "--shard i/n" in done.stderr
+    )
+    done = subprocess.run(
+        [PROGRAM, "status", tmp_path / "clouds.toml", "--results", tmp_path / "results"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (
+        done.returncode == 0
+        and "the queue is not known" in done.stderr
+        and done.stdout.split()[-3:] == ["all", str(3 * SCENES), "0"]
+    )

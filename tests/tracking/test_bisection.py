@@ -1,4 +1,5 @@
-"""Tests the search for the commit that changed a program's work, in a scratch git repository. The "programs" are files with counts."""
+"""Tests the search for the commit that changed a program's work, in a scratch git repository. The
+"programs" are files with counts."""
 
 from __future__ import annotations
 
@@ -32,7 +33,8 @@ CASE = "guthe on two points"
 
 
 def fake_build(tree: Path, commit: str, jobs: int) -> Build:
-    """Stands in for building a commit. A commit whose work.json has "broken" does not build; with "untidy", building changes the file."""
+    """Stands in for building a commit. A commit whose work.json has "broken" does not build; with
+    "untidy", building changes the file."""
     (tree / "build").mkdir(exist_ok=True)
     work = json.loads((tree / "work.json").read_text())
     if "broken" in work:
@@ -56,10 +58,16 @@ def fake_instructions(program: Path, case: Case, folder: Path) -> int | NotMeasu
 
 
 def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
-    """Replaces building and measuring with fakes, in this process through `where`, or for good in the process of a bisection step."""
+    """Replaces building and measuring with fakes, in this process through `where`, or for good in
+    the process of a bisection step."""
     place = pytest.MonkeyPatch() if where is None else where
-    for module, name, value in ((builds, "ROOT", scratch), (builds, "VERSIONS", scratch / "build" / "versions"), (builds, "build_in", fake_build),
-                                (blocks, "measure", fake_measure), (counted, "instructions_of", fake_instructions)):
+    for module, name, value in (
+        (builds, "ROOT", scratch),
+        (builds, "VERSIONS", scratch / "build" / "versions"),
+        (builds, "build_in", fake_build),
+        (blocks, "measure", fake_measure),
+        (counted, "instructions_of", fake_instructions),
+    ):
         place.setattr(module, name, value)
 
 
@@ -74,8 +82,18 @@ sys.exit(bisection.main(sys.argv[1:]))
 
 
 def git(scratch: Path, *words: str) -> str:
-    who = {f"GIT_{role}_{what}": "a@b" for role in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")} | {"GIT_CONFIG_GLOBAL": os.devnull}
-    return subprocess.run(["git", "-C", str(scratch), *words], env={**os.environ, **who}, check=True, capture_output=True, text=True).stdout.strip()
+    who = {
+        f"GIT_{role}_{what}": "a@b"
+        for role in ("AUTHOR", "COMMITTER")
+        for what in ("NAME", "EMAIL")
+    } | {"GIT_CONFIG_GLOBAL": os.devnull}
+    return subprocess.run(
+        ["git", "-C", str(scratch), *words],
+        env={**os.environ, **who},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
 
 
 def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
@@ -92,24 +110,59 @@ def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
     return commits
 
 
-def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str, before: str = "") -> int:
+def run(
+    scratch: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    good: str,
+    bad: str,
+    *more: str,
+    before: str = "",
+) -> int:
     """Runs the whole search. Each bisection step first executes the code `before`."""
     install_fakes(scratch, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     step = scratch / "step.py"
     step.write_text(before + STEP.format(scratch=str(scratch)))
-    return bisection.main(["--case", CASE, "--good", good, "--bad", bad, "--experiment", str(scratch / "tracked.toml"), *more],
-                       [sys.executable, str(step), "--step"])
+    return bisection.main(
+        [
+            "--case",
+            CASE,
+            "--good",
+            good,
+            "--bad",
+            bad,
+            "--experiment",
+            str(scratch / "tracked.toml"),
+            *more,
+        ],
+        [sys.executable, str(step), "--step"],
+    )
 
 
 def work(tests: int, instructions: int | None = None, **more: Any) -> dict[str, Any]:
-    return {"counters": {"bound_tests": tests, "node_visits": 70}, "instructions": instructions, **more}
+    return {
+        "counters": {"bound_tests": tests, "node_visits": 70},
+        "instructions": instructions,
+        **more,
+    }
 
 
-def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                                                    capfd: pytest.CaptureFixture[str]) -> None:
-    # The middle commit, which git tries first, does not build. Counts vary slightly before and after the change.
-    works = [work(100), work(101), work(100), work(99), {"broken": True}, work(100), work(160), work(161), work(158)]
+def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # The middle commit, which git tries first, does not build. Counts vary slightly before and
+    # after the change.
+    works = [
+        work(100),
+        work(101),
+        work(100),
+        work(99),
+        {"broken": True},
+        work(100),
+        work(160),
+        work(161),
+        work(158),
+    ]
     commits = repository(tmp_path, works)
     assert run(tmp_path, monkeypatch, commits[0], commits[8]) == 0
     said = capfd.readouterr()
@@ -118,13 +171,26 @@ def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Pa
     assert f"after: {commits[6][:10]}: bound_tests 160" in said.out
     assert f"{commits[4][:10]} is skipped" in said.err
     tree = tmp_path / "build" / "versions" / "bisect"
-    assert subprocess.run(["git", "-C", str(tree), "bisect", "log"], capture_output=True, check=False).returncode != 0  # no bisection is left running
-    assert git(tmp_path, "rev-parse", "HEAD") == commits[8] and not git(tmp_path, "status", "--porcelain", "work.json")
+    assert (
+        subprocess.run(
+            ["git", "-C", str(tree), "bisect", "log"], capture_output=True, check=False
+        ).returncode
+        != 0
+    )  # no bisection is left running
+    assert git(tmp_path, "rev-parse", "HEAD") == commits[8] and not git(
+        tmp_path, "status", "--porcelain", "work.json"
+    )
 
 
-def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # The counters are equal, so instructions decide, and fewer are a change, too. The two middle commits cannot be measured.
-    commits = repository(tmp_path, [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)])
+def test_what_cannot_be_told_apart_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # The counters are equal, so instructions decide, and fewer are a change, too. The two middle
+    # commits cannot be measured.
+    commits = repository(
+        tmp_path,
+        [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)],
+    )
     assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 1
     said = capfd.readouterr()
     assert "one of these" in said.out
@@ -132,21 +198,38 @@ def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.M
     assert f"good: {commits[0][:10]}: instructions 9,000" in said.err
 
 
-def test_what_lies_in_the_way_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # An earlier search was interrupted and left a changed file. Also, building any commit changes a file.
-    commits = repository(tmp_path, [work(9, untidy=1), *(work(9 if i < 5 else 700, untidy=1) for i in range(8)), work(700, untidy=1)])
+def test_what_lies_in_the_way_is_undone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # An earlier search was interrupted and left a changed file. Also, building any commit changes a
+    # file.
+    commits = repository(
+        tmp_path,
+        [
+            work(9, untidy=1),
+            *(work(9 if i < 5 else 700, untidy=1) for i in range(8)),
+            work(700, untidy=1),
+        ],
+    )
     tree = tmp_path / "build" / "versions" / "bisect"
     git(tmp_path, "worktree", "add", "--quiet", "--detach", str(tree), commits[2])
     git(tree, "bisect", "start", commits[7], commits[6])
     (tree / "work.json").write_text(json.dumps(work(12345)))
     assert run(tmp_path, monkeypatch, commits[0], commits[9]) == 0
     said = capfd.readouterr()
-    assert said.out.splitlines()[1].endswith("change 6") and f"good: {commits[0][:10]}: bound_tests 9\n" in said.err
+    assert (
+        said.out.splitlines()[1].endswith("change 6")
+        and f"good: {commits[0][:10]}: bound_tests 9\n" in said.err
+    )
     assert not git(tree, "status", "--porcelain", "work.json")
 
 
-@pytest.mark.parametrize("state", ["a branch that is gone", "a merge that stopped", "a file that the commit has not"])
-def test_a_worktree_in_any_state_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, state: str) -> None:
+@pytest.mark.parametrize(
+    "state", ["a branch that is gone", "a merge that stopped", "a file that the commit has not"]
+)
+def test_a_worktree_in_any_state_is_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, state: str
+) -> None:
     commits = repository(tmp_path, [work(9), work(9), work(700), work(700)])
     tree = tmp_path / "build" / "versions" / "bisect"
     git(tmp_path, "worktree", "add", "--quiet", "-b", "gone", str(tree), commits[3])
@@ -163,32 +246,50 @@ def test_a_worktree_in_any_state_is_used(tmp_path: Path, monkeypatch: pytest.Mon
     assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0
 
 
-def test_a_measurement_starts_from_what_the_commit_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_measurement_starts_from_what_the_commit_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     repository(tmp_path, [work(100)])
     install_fakes(tmp_path, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     (tmp_path / "work.json").write_text(json.dumps(work(5)))
-    found = bisection.measure(tmp_path, bisection.case_named(CASE, tmp_path / "tracked.toml"), "counters")
+    found = bisection.measure(
+        tmp_path, bisection.case_named(CASE, tmp_path / "tracked.toml"), "counters"
+    )
     assert found.counters["bound_tests"] == 100
 
 
-def test_a_search_whose_step_fails_names_no_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_search_whose_step_fails_names_no_commit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100), work(100), work(200), work(200)])
-    assert run(tmp_path, monkeypatch, commits[0], commits[3], before="import sys; sys.exit(200)\n") == 2
+    assert (
+        run(tmp_path, monkeypatch, commits[0], commits[3], before="import sys; sys.exit(200)\n")
+        == 2
+    )
     said = capfd.readouterr()
     assert "git bisect run ended with" in said.err and "first bad commit" not in said.out
-    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0  # its leftovers do not disturb the next search
+    assert (
+        run(tmp_path, monkeypatch, commits[0], commits[3]) == 0
+    )  # its leftovers do not disturb the next search
 
 
-def test_one_search_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_search_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100), work(200)])
     with bisection.locked(tmp_path / "build" / "versions" / "bisect.lock"):
         assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
-        assert f"another search is running in {tmp_path}/build/versions/bisect: wait" in capsys.readouterr().err
+        assert (
+            f"another search is running in {tmp_path}/build/versions/bisect: wait"
+            in capsys.readouterr().err
+        )
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 0
 
 
-def test_a_step_that_goes_on_keeps_the_lock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_that_goes_on_keeps_the_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     commits = repository(tmp_path, [work(100), work(100), work(200)])
     check = f"""import fcntl
 try:
@@ -202,7 +303,9 @@ except BlockingIOError:
     assert (tmp_path / "kept").exists()
 
 
-def test_an_interruption_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interruption_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100), work(200)])
 
     def interrupted(*words: object) -> None:
@@ -210,14 +313,21 @@ def test_an_interruption_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(bisection, "search", interrupted)
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 130
-    assert capsys.readouterr().err.splitlines()[-1] == "bisect: interrupted; the next search starts over"
+    assert (
+        capsys.readouterr().err.splitlines()[-1]
+        == "bisect: interrupted; the next search starts over"
+    )
     monkeypatch.setattr(bisection, "step", interrupted)
-    (tmp_path / "question.json").write_text('{"case": "", "experiment": "", "by": "", "good": {}, "bad": {}, "shapes": "", "log": ""}')
+    (tmp_path / "question.json").write_text(
+        '{"case": "", "experiment": "", "by": "", "good": {}, "bad": {}, "shapes": "", "log": ""}'
+    )
     assert bisection.main(["--step", str(tmp_path / "question.json")]) == bisection.ABORT
     assert capsys.readouterr().err == ""  # the search reports the error itself
 
 
-def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_histories_that_do_not_meet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100), work(100), work(200)])
     git(tmp_path, "checkout", "--quiet", "--orphan", "other")
     git(tmp_path, "commit", "--quiet", "-m", "other")
@@ -228,26 +338,46 @@ def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     shallow = tmp_path / "shallow"
     git(tmp_path, "tag", "first", commits[0])
     git(tmp_path, "tag", "last", commits[2])
-    git(tmp_path, "clone", "--quiet", "--depth", "1", "--branch", "last", f"file://{tmp_path}", str(shallow))
+    git(
+        tmp_path,
+        "clone",
+        "--quiet",
+        "--depth",
+        "1",
+        "--branch",
+        "last",
+        f"file://{tmp_path}",
+        str(shallow),
+    )
     git(shallow, "fetch", "--quiet", "--depth", "1", "origin", "tag", "first")
     (shallow / "tracked.toml").write_text(EXPERIMENT)
     assert run(shallow, monkeypatch, "first", "last") == 2
-    assert "have no commit in common here; this clone is shallow: git fetch --unshallow" in capsys.readouterr().err
+    assert (
+        "have no commit in common here; this clone is shallow: git fetch --unshallow"
+        in capsys.readouterr().err
+    )
 
 
-def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                                                   capsys: pytest.CaptureFixture[str]) -> None:
+def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100), work(200)])
     git(tmp_path, "checkout", "--quiet", "-b", "beside", commits[0])
     git(tmp_path, "commit", "--quiet", "--allow-empty", "-m", "beside")
-    for good, bad, word in ((commits[1], commits[0], "swap them"), ("beside", commits[1], f"use {commits[0][:10]}"),
-                            (commits[0], commits[0], "same commit"), (commits[0], "nowhere", "nowhere")):
+    for good, bad, word in (
+        (commits[1], commits[0], "swap them"),
+        ("beside", commits[1], f"use {commits[0][:10]}"),
+        (commits[0], commits[0], "same commit"),
+        (commits[0], "nowhere", "nowhere"),
+    ):
         assert run(tmp_path, monkeypatch, good, bad) == 2
         assert word in capsys.readouterr().err
     assert not (tmp_path / "build").exists()
 
 
-def test_nothing_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_differs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [work(100, 1000000), work(100, 1000010)])
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
     assert "neither work counters nor instructions differ" in capsys.readouterr().err
@@ -256,7 +386,9 @@ def test_nothing_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         assert f"{by} do not differ between good and bad" in capsys.readouterr().err
 
 
-def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_end_that_cannot_be_measured_is_a_mistake(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     commits = repository(tmp_path, [{"unknown": True}, work(100), {"broken": True}])
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
     assert "no such solver" in capsys.readouterr().err
@@ -266,7 +398,9 @@ def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch
 
 def test_a_step_that_fails_otherwise_stops_the_search(tmp_path: Path) -> None:
     (tmp_path / "question.json").write_text("{}")
-    assert bisection.main(["--step", str(tmp_path / "question.json")]) >= 128  # git takes 1 as a bad commit
+    assert (
+        bisection.main(["--step", str(tmp_path / "question.json")]) >= 128
+    )  # git takes 1 as a bad commit
 
 
 def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> None:
@@ -276,8 +410,15 @@ def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> No
         (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
     (tmp_path / "question.json").write_text("{}")
     root = str(Path(__file__).resolve().parents[2])
-    done = subprocess.run([*bisection.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root},
-                          capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+    done = subprocess.run(
+        [*bisection.STEP, str(tmp_path / "question.json")],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": root},
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+    )
     assert done.returncode == bisection.ABORT and "bisect: stopped: TypeError" in done.stderr
 
 
@@ -312,7 +453,9 @@ def test_a_count_of_nothing_is_a_count() -> None:
     assert decided_by(good, bad, "auto") == decided_by(bad, good, "counters") == "counters"
     assert differing(good.counters, bad.counters) == ["b"]
     # compares log(1 + b) with log 1 and log 901
-    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)
+    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad(
+        {"b": 20}, good.counters, bad.counters
+    )
     assert not is_bad({"b": 0}, good.counters, bad.counters)
 
 
@@ -324,7 +467,9 @@ def test_as_near_to_good_as_to_bad_is_good() -> None:
 
 def test_nearer_is_by_the_logarithm() -> None:
     good, bad = {"a": 100, "b": 5}, {"a": 400, "b": 5}
-    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the boundary is 200, the geometric mean; b is equal in good and bad, so not compared
+    assert not is_bad(
+        {"a": 190, "b": 999}, good, bad
+    )  # the boundary is 200, the geometric mean; b is equal in good and bad, so not compared
     assert is_bad({"a": 210, "b": 5}, good, bad)
     assert is_bad({"a": 190}, bad, good)
     with pytest.raises(NotMeasured):
@@ -343,6 +488,8 @@ def test_a_name_chooses_one_case(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="kernels count no work"):
             bisection.case_named(name, file)
     file.write_text(EXPERIMENT.replace("guthe", "cover"))
-    assert bisection.case_named("cover on", file).name.startswith("cover")  # "c" also begins the name of a kernel, closest/bvh/cold
+    assert bisection.case_named("cover on", file).name.startswith(
+        "cover"
+    )  # "c" also begins the name of a kernel, closest/bvh/cold
     with pytest.raises(ValueError, match="more than one case"):
         bisection.case_named("c", file)

@@ -1,4 +1,5 @@
-"""Compares counters and instructions with a baseline: equal, more, fewer, other shapes, other machines."""
+"""Compares counters and instructions with a baseline: equal, more, fewer, other shapes, other
+machines."""
 
 from __future__ import annotations
 
@@ -22,8 +23,12 @@ CASE = Case("guthe on a mesh", {})
 BASE = {"guthe on a mesh": {"shapes": "s", "node_visits": 1000, "queue_pushes": 5}}
 
 
-def work(monkeypatch: pytest.MonkeyPatch, counters: dict[str, int] | NotMeasured, shapes: str = "s",
-         baseline: dict[str, Any] = BASE) -> counted.Found:
+def work(
+    monkeypatch: pytest.MonkeyPatch,
+    counters: dict[str, int] | NotMeasured,
+    shapes: str = "s",
+    baseline: dict[str, Any] = BASE,
+) -> counted.Found:
     def measure(program: Path, case: Case, folder: Path) -> Block:
         if isinstance(counters, NotMeasured):
             raise counters
@@ -40,21 +45,35 @@ def test_equal_counters_pass(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_one_more_node_visit_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     found = work(monkeypatch, {"node_visits": 1001, "queue_pushes": 5})
-    assert found.verdict is Verdict.red and found.lines == ["guthe on a mesh: node_visits was 1,000, is 1,001 (+0.1 %)"]
+    assert found.verdict is Verdict.red and found.lines == [
+        "guthe on a mesh: node_visits was 1,000, is 1,001 (+0.1 %)"
+    ]
 
 
-@pytest.mark.parametrize("counters", [{"node_visits": 999, "queue_pushes": 5}, {"node_visits": 1000},
-                                      {"node_visits": 1000, "queue_pushes": 5, "subdivisions": 1}])
-def test_less_work_and_new_work_are_told_too(monkeypatch: pytest.MonkeyPatch, counters: dict[str, int]) -> None:
+@pytest.mark.parametrize(
+    "counters",
+    [
+        {"node_visits": 999, "queue_pushes": 5},
+        {"node_visits": 1000},
+        {"node_visits": 1000, "queue_pushes": 5, "subdivisions": 1},
+    ],
+)
+def test_less_work_and_new_work_are_told_too(
+    monkeypatch: pytest.MonkeyPatch, counters: dict[str, int]
+) -> None:
     assert work(monkeypatch, counters).verdict is Verdict.red
 
 
 def test_other_shapes_are_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     found = work(monkeypatch, {"node_visits": 7}, shapes="of another library")
-    assert found.verdict is Verdict.nothing_measured and "its shapes are not those" in found.lines[0]
+    assert (
+        found.verdict is Verdict.nothing_measured and "its shapes are not those" in found.lines[0]
+    )
 
 
-def test_a_case_whose_models_are_not_at_hand_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_case_whose_models_are_not_at_hand_is_not_measured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     found = work(monkeypatch, NotMeasured("skipped: not fetched", skipped=True))
     assert found.verdict is Verdict.nothing_measured and "not fetched" in found.lines[0]
 
@@ -70,15 +89,26 @@ def test_a_case_without_a_baseline_is_red(monkeypatch: pytest.MonkeyPatch) -> No
     assert found.verdict is Verdict.red and "--update" in found.lines[0]
 
 
-@pytest.mark.parametrize(("now", "word", "good"), [(100_500, "as before", True), (100_501, "slower", False), (99_499, "--update", False),
-                                                   (99_501, "as before", True)])
+@pytest.mark.parametrize(
+    ("now", "word", "good"),
+    [
+        (100_500, "as before", True),
+        (100_501, "slower", False),
+        (99_499, "--update", False),
+        (99_501, "as before", True),
+    ],
+)
 def test_half_a_percent_of_instructions_is_the_limit(now: int, word: str, good: bool) -> None:
     text, same = counted.said(now, 100_000)
     assert word in text and same is good
 
 
 def test_how_much_more_work_is_said_in_per_cent() -> None:
-    assert [counted.signed_share(now, 1000) for now in (1001, 2000, 990)] == ["+0.1 %", "+100 %", "-1 %"] and counted.signed_share(5, 0) == "new"
+    assert [counted.signed_share(now, 1000) for now in (1001, 2000, 990)] == [
+        "+0.1 %",
+        "+100 %",
+        "-1 %",
+    ] and counted.signed_share(5, 0) == "new"
 
 
 PARTS = "g++ 12, libc6 2.36"
@@ -86,34 +116,68 @@ KEY = counted.key_of(PARTS)
 needs_valgrind = pytest.mark.skipif(not shutil.which("valgrind"), reason="valgrind is missing")
 
 
-def instructions(monkeypatch: pytest.MonkeyPatch, count: int | NotMeasured, baseline: dict[str, Any], wanted: bool = False,
-                 shapes: str = "s") -> counted.Found:
+def instructions(
+    monkeypatch: pytest.MonkeyPatch,
+    count: int | NotMeasured,
+    baseline: dict[str, Any],
+    wanted: bool = False,
+    shapes: str = "s",
+) -> counted.Found:
     def job() -> tuple[int, str]:
         if isinstance(count, NotMeasured):
             raise count
         return count, shapes
 
     monkeypatch.setattr(counted, "parts_of_key", lambda: PARTS)
-    return counted.count_instructions({"guthe on a mesh": job, "build/bvh": lambda: (10, "")}, baseline, {"guthe on a mesh": "s"}, wanted)
+    return counted.count_instructions(
+        {"guthe on a mesh": job, "build/bvh": lambda: (10, "")},
+        baseline,
+        {"guthe on a mesh": "s"},
+        wanted,
+    )
 
 
 @needs_valgrind
 def test_another_machine_has_nothing_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     found = instructions(monkeypatch, 1000, {"of another machine": {"guthe on a mesh": 1}})
-    assert found.verdict is Verdict.nothing_measured and "g++ 12" in found.lines[0] and not found.measured
+    assert (
+        found.verdict is Verdict.nothing_measured
+        and "g++ 12" in found.lines[0]
+        and not found.measured
+    )
 
 
 @needs_valgrind
-@pytest.mark.parametrize(("count", "verdict"), [(1000, Verdict.passed), (1004, Verdict.passed), (1006, Verdict.red), (990, Verdict.red)])
-def test_instructions_against_the_table_of_this_machine(monkeypatch: pytest.MonkeyPatch, count: int, verdict: Verdict) -> None:
-    assert instructions(monkeypatch, count, {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}}).verdict is verdict
+@pytest.mark.parametrize(
+    ("count", "verdict"),
+    [(1000, Verdict.passed), (1004, Verdict.passed), (1006, Verdict.red), (990, Verdict.red)],
+)
+def test_instructions_against_the_table_of_this_machine(
+    monkeypatch: pytest.MonkeyPatch, count: int, verdict: Verdict
+) -> None:
+    assert (
+        instructions(monkeypatch, count, {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}}).verdict
+        is verdict
+    )
 
 
 @needs_valgrind
 def test_what_could_not_be_counted_is_red_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(monkeypatch, NotMeasured("no end within 600 s"), {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}})
-    assert found.verdict is Verdict.red and "no end within 600 s" in found.lines[0] and "guthe on a mesh" not in found.measured
-    found = instructions(monkeypatch, NotMeasured("not fetched", skipped=True), {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}})
+    found = instructions(
+        monkeypatch,
+        NotMeasured("no end within 600 s"),
+        {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
+    )
+    assert (
+        found.verdict is Verdict.red
+        and "no end within 600 s" in found.lines[0]
+        and "guthe on a mesh" not in found.measured
+    )
+    found = instructions(
+        monkeypatch,
+        NotMeasured("not fetched", skipped=True),
+        {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
+    )
     assert found.verdict is Verdict.passed and "not fetched" in found.lines[0]
 
 
@@ -125,30 +189,45 @@ def test_what_the_table_does_not_have_is_red(monkeypatch: pytest.MonkeyPatch) ->
 
 @needs_valgrind
 def test_instructions_of_other_shapes_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(monkeypatch, 5000, {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}}, shapes="of another library")
+    found = instructions(
+        monkeypatch,
+        5000,
+        {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
+        shapes="of another library",
+    )
     assert found.verdict is Verdict.passed and "its shapes are not those" in found.lines[0]
 
 
 @needs_valgrind
 def test_a_new_table_counts_everything(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert instructions(monkeypatch, 1000, {}, wanted=True).measured == {"depends_on": PARTS, "guthe on a mesh": 1000, "build/bvh": 10}
+    assert instructions(monkeypatch, 1000, {}, wanted=True).measured == {
+        "depends_on": PARTS,
+        "guthe on a mesh": 1000,
+        "build/bvh": 10,
+    }
 
 
 def test_without_valgrind_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.tracking.counted.shutil.which", lambda name: None)
     with pytest.raises(counted.Missing, match="make deps"):
         instructions(monkeypatch, 1000, {KEY: {}})
-    assert instructions(monkeypatch, 1000, {}).verdict is Verdict.nothing_measured, "nothing would be counted with it either"
+    assert (
+        instructions(monkeypatch, 1000, {}).verdict is Verdict.nothing_measured
+    ), "nothing would be counted with it either"
 
 
-def test_the_key_has_the_compiler_and_survives_packages_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_key_has_the_compiler_and_survives_packages_that_are_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(counted, "PACKAGES", ("g++", "no-such-package"))
     parts = counted.parts_of_key()
     assert ("g++ " in parts or parts.startswith("no Debian")) and "avx2" in parts
     assert "g++" in counted.PACKAGES and {"libc6", "libstdc++6", "valgrind"} <= set(REAL_PACKAGES)
 
 
-def test_a_package_of_two_architectures_counts_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_package_of_two_architectures_counts_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     query = tmp_path / "dpkg-query"
     query.write_text("#!/bin/sh\nprintf 'libc6 1\\nlibc6 1\\nlibgmp10 2\\n'\n")
     query.chmod(0o755)
@@ -177,29 +256,55 @@ def test_an_interrupt_begins_no_other_count() -> None:
     assert len(begun) < 40
 
 
-BEFORE = {"reason": "first", "counters": {"a": {"shapes": "x", "node_visits": 1}, "gone": {"shapes": "x"}},
-          "instructions": {"other": {"depends_on": "clang", "a": 5, "gone": 1}, KEY: {"a": 6, "b": 7}}}
+BEFORE = {
+    "reason": "first",
+    "counters": {"a": {"shapes": "x", "node_visits": 1}, "gone": {"shapes": "x"}},
+    "instructions": {"other": {"depends_on": "clang", "a": 5, "gone": 1}, KEY: {"a": 6, "b": 7}},
+}
 
 
 def test_an_update_of_some_cases_keeps_the_others(tmp_path: Path) -> None:
-    after = counted.updated(BEFORE, {"c": {"shapes": "y"}}, {"depends_on": PARTS, "b": 8}, 'a "better" tree')
+    after = counted.updated(
+        BEFORE, {"c": {"shapes": "y"}}, {"depends_on": PARTS, "b": 8}, 'a "better" tree'
+    )
     file = tmp_path / "baseline.toml"
     counted.write_baseline(file, after)
     assert counted.read_baseline(file) == {
-        "reason": 'a "better" tree', "counters": {"a": {"shapes": "x", "node_visits": 1}, "gone": {"shapes": "x"}, "c": {"shapes": "y"}},
-        "instructions": {"other": {"depends_on": "clang", "a": 5, "gone": 1}, KEY: {"a": 6, "b": 8, "depends_on": PARTS}}}
+        "reason": 'a "better" tree',
+        "counters": {
+            "a": {"shapes": "x", "node_visits": 1},
+            "gone": {"shapes": "x"},
+            "c": {"shapes": "y"},
+        },
+        "instructions": {
+            "other": {"depends_on": "clang", "a": 5, "gone": 1},
+            KEY: {"a": 6, "b": 8, "depends_on": PARTS},
+        },
+    }
     assert [file.name for file in tmp_path.iterdir()] == ["baseline.toml"]
 
 
 def test_an_update_of_all_drops_what_is_tracked_no_more() -> None:
-    after = counted.updated(BEFORE, {"a": {"shapes": "z"}}, {"depends_on": PARTS, "b": 8}, "why", {"a", "b"})
+    after = counted.updated(
+        BEFORE, {"a": {"shapes": "z"}}, {"depends_on": PARTS, "b": 8}, "why", {"a", "b"}
+    )
     assert after["counters"] == {"a": {"shapes": "z"}}
-    assert after["instructions"] == {"other": {"depends_on": "clang", "a": 5}, KEY: {"a": 6, "b": 8, "depends_on": PARTS}}
+    assert after["instructions"] == {
+        "other": {"depends_on": "clang", "a": 5},
+        KEY: {"a": 6, "b": 8, "depends_on": PARTS},
+    }
 
 
 def test_another_machine_adds_its_table_and_leaves_the_counters_of_other_shapes() -> None:
-    after = counted.updated(BEFORE, {"a": {"shapes": "mine"}, "new": {"shapes": "mine"}}, {"depends_on": "musl", "a": 9}, "a table for musl")
-    assert after["counters"]["a"] == {"shapes": "x", "node_visits": 1} and after["counters"]["new"] == {"shapes": "mine"}
+    after = counted.updated(
+        BEFORE,
+        {"a": {"shapes": "mine"}, "new": {"shapes": "mine"}},
+        {"depends_on": "musl", "a": 9},
+        "a table for musl",
+    )
+    assert after["counters"]["a"] == {"shapes": "x", "node_visits": 1} and after["counters"][
+        "new"
+    ] == {"shapes": "mine"}
     assert after["instructions"][counted.key_of("musl")] == {"depends_on": "musl", "a": 9}
 
 
@@ -277,7 +382,8 @@ def test_instructions_of_a_file_without_those_of_malloc_and_without_what_was_cal
 @pytest.mark.skipif(not shutil.which("c++"), reason="there is no compiler")
 def test_what_lies_in_memory_before_does_not_change_the_count(tmp_path: Path) -> None:
     """Free pieces of memory make malloc search longer; only the calls of it are counted."""
-    (tmp_path / "new.cpp").write_text("""
+    (tmp_path / "new.cpp").write_text(
+        """
         #include <cstdlib>
         #include <vector>
         std::vector<void*> kept;
@@ -289,17 +395,25 @@ def test_what_lies_in_memory_before_does_not_change_the_count(tmp_path: Path) ->
             for (std::size_t i = 0; arguments > 1 && i < 4000; ++i) (i % 2 ? kept : freed).push_back(std::malloc(1500 + 16 * (i % 77)));
             for (void* each : freed) std::free(each);
             solve();
-        }""")
+        }"""
+    )
     subprocess.run(["c++", "-g", "-O1", "-o", "new", "new.cpp"], cwd=tmp_path, check=True)
     program = str(tmp_path / "new")
-    counts = [counted.callgrind("solve()", command, tmp_path) for command in ([program], [program, "full"])]
-    assert 5_000 < counts[0] < 200_000 and abs(counts[1] - counts[0]) < 1_000, counts  # some calls of sbrk
+    counts = [
+        counted.callgrind("solve()", command, tmp_path)
+        for command in ([program], [program, "full"])
+    ]
+    assert (
+        5_000 < counts[0] < 200_000 and abs(counts[1] - counts[0]) < 1_000
+    ), counts  # some calls of sbrk
 
 
 @needs_valgrind
 def test_a_program_that_cannot_be_counted(tmp_path: Path) -> None:
     why = counted.instructions_of(Path("/bin/false"), CASE, tmp_path)
-    assert isinstance(why, NotMeasured) and "counted nothing in hausbench::Session::solve" in str(why)
+    assert isinstance(why, NotMeasured) and "counted nothing in hausbench::Session::solve" in str(
+        why
+    )
     with pytest.raises(NotMeasured, match="counted nothing in hausbench::Session::solve"):
         counted.count_case(Path("/bin/false"), CASE, tmp_path)
     with pytest.raises(NotMeasured, match="counted nothing"):
@@ -309,31 +423,52 @@ def test_a_program_that_cannot_be_counted(tmp_path: Path) -> None:
 @needs_valgrind
 @pytest.mark.skipif(not shutil.which("c++"), reason="there is no compiler")
 @pytest.mark.parametrize("exit_code", [0, 1])
-def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path, exit_code: int) -> None:
-    """The instruction is in the program, or in a worker whose death the program survives. Nothing is measured then, which is not a failure."""
-    (tmp_path / "wide.cpp").write_text('void wide() { asm(".byte 0x62, 0xf1, 0x7c, 0x48, 0x57, 0xc0"); }\n'  # vxorps zmm0, zmm0, zmm0
-                                       "int main() { wide(); }\n")
+def test_an_instruction_that_valgrind_does_not_know_is_the_reason(
+    tmp_path: Path, exit_code: int
+) -> None:
+    """The instruction is in the program, or in a worker whose death the program survives. Nothing
+    is measured then, which is not a failure."""
+    (tmp_path / "wide.cpp").write_text(
+        'void wide() { asm(".byte 0x62, 0xf1, 0x7c, 0x48, 0x57, 0xc0"); }\n'  # vxorps zmm0, zmm0, zmm0
+        "int main() { wide(); }\n"
+    )
     subprocess.run(["c++", "-g", "-o", "wide", "wide.cpp"], cwd=tmp_path, check=True)
-    for command in ([str(tmp_path / "wide")], ["/bin/sh", "-c", f"{tmp_path}/wide; exit {exit_code}"]):
-        with pytest.raises(NotMeasured, match=r"valgrind does not know instruction 0x62 0xF1 0x7C 0x48 0x57 0xC0 .*wide\(\)") as why:
+    for command in (
+        [str(tmp_path / "wide")],
+        ["/bin/sh", "-c", f"{tmp_path}/wide; exit {exit_code}"],
+    ):
+        with pytest.raises(
+            NotMeasured,
+            match=r"valgrind does not know instruction 0x62 0xF1 0x7C 0x48 0x57 0xC0 .*wide\(\)",
+        ) as why:
             counted.callgrind("wide*", command, tmp_path, (0, 1))
         assert why.value.skipped
 
 
-def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Fakes valgrind and the program: the processes' counts, 0, 700 and 20, are added. The experiment asks for 3 repeats, but one is run."""
+def test_counts_of_all_processes_are_added_up_over_one_repeat(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Fakes valgrind and the program: the processes' counts, 0, 700 and 20, are added. The
+    experiment asks for 3 repeats, but one is run."""
     asked = []
 
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:
-        out = Path(next(word for word in command if word.startswith("--callgrind-out-file=")).split("=")[1]).parent
+        out = Path(
+            next(word for word in command if word.startswith("--callgrind-out-file=")).split("=")[1]
+        ).parent
         (out / "1").write_text("totals: 0\n")
         (out / "2").write_text("events: Ir\n\nfl=(1) solve.cpp\nfn=(1) solve\n3 700\n")
         (out / "3").write_text("fl=(1) solve.cpp\nfn=(1) solve\n3 20\n")
         (out / "log.3").write_text("3 1000\n")
-        asked.append((tomllib.loads(Path(command[command.index("run") + 1]).read_text())["repeats"], limit))
+        asked.append(
+            (tomllib.loads(Path(command[command.index("run") + 1]).read_text())["repeats"], limit)
+        )
         return ""
 
     monkeypatch.setattr(counted, "run", run)
     monkeypatch.setattr(counted, "read", lambda file: Block(1, 1, 0, "shapes"))
-    assert counted.count_case(Path("program"), Case("a", {"repeats": 3}), tmp_path) == (720, "shapes")
+    assert counted.count_case(Path("program"), Case("a", {"repeats": 3}), tmp_path) == (
+        720,
+        "shapes",
+    )
     assert asked == [(1, counted.CALLGRIND_LIMIT)]

@@ -18,7 +18,9 @@ def tree(folder: Path) -> Path:
 
 def test_both_sides_lie_under_paths_of_one_length(tmp_path: Path) -> None:
     places, names = Places(tmp_path), ("base", "the candidate, under a longer path")
-    with places.root(tree(tmp_path / names[0]), 0) as one, places.root(tree(tmp_path / names[1]), 1) as other:
+    with places.root(tree(tmp_path / names[0]), 0) as one, places.root(
+        tree(tmp_path / names[1]), 1
+    ) as other:
         assert one != other and len(str(one)) == len(str(other))
         for name, root in zip(names, (one, other)):
             assert (root / "datasets" / "manifest.toml").read_text() == name
@@ -32,7 +34,11 @@ def test_nothing_that_was_built_comes_along_and_nothing_of_the_tree_is_lost(tmp_
         assert not list((root / "build").iterdir()) and not (root / ".git").exists()
         (root / "build" / "left").touch()
         raise KeyError
-    assert (own / "datasets" / "manifest.toml").is_file() and (own / "build" / "release").is_dir() and list(tmp_path.iterdir()) == [own]
+    assert (
+        (own / "datasets" / "manifest.toml").is_file()
+        and (own / "build" / "release").is_dir()
+        and list(tmp_path.iterdir()) == [own]
+    )
 
 
 def test_lengths_differ(tmp_path: Path) -> None:

@@ -16,7 +16,20 @@ from bench.tracking.builds import Build
 from bench.tracking.cases import ROOT, Case
 from bench.tracking.gate import Verdict, verdict_of_times
 from bench.tracking.places import Places
-from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, planted, programs_of, question, screen
+from bench.tracking.timed import (
+    Known,
+    Program,
+    Subject,
+    answer,
+    judge_all,
+    kernels_of,
+    of_case,
+    of_kernels,
+    planted,
+    programs_of,
+    question,
+    screen,
+)
 
 PROGRAM = ROOT / "build/release/hausbench"
 
@@ -24,7 +37,9 @@ SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0}
 Calls = list[tuple[str, str]]
 
 
-def each(side: Callable[[str, Sequence[str]], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
+def each(
+    side: Callable[[str, Sequence[str]], dict[str, float]]
+) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
     """Measures the block of each side separately."""
     return lambda sides, names: [side(which, names) for which in sides]
 
@@ -45,19 +60,43 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
     calls: Calls = []
     questions = [question(subject(name, calls), (name,)) for name in ("a", "b")]
     screen(questions, 4)
-    plain, turned = ["base", "candidate", "candidate", "base"], ["candidate", "base", "base", "candidate"]
-    assert [call[1] for call in calls if call[0] == "a"] == plain + turned == [call[1] for call in calls if call[0] == "b"]
+    plain, turned = ["base", "candidate", "candidate", "base"], [
+        "candidate",
+        "base",
+        "base",
+        "candidate",
+    ]
+    assert (
+        [call[1] for call in calls if call[0] == "a"]
+        == plain + turned
+        == [call[1] for call in calls if call[0] == "b"]
+    )
     assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
     found = questions[0].sides["a"]
-    assert len(found.base) == len(found.candidate) == 4 and found.base == sorted(found.base), "in the order of time: block i stands beside block i"
+    assert len(found.base) == len(found.candidate) == 4 and found.base == sorted(
+        found.base
+    ), "in the order of time: block i stands beside block i"
 
 
 def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
-    """Each pair moves to a new place, where both sides have equally long paths, so differences between places cancel."""
+    """Each pair moves to a new place, where both sides have equally long paths, so differences
+    between places cancel."""
     calls: Calls = []
     one = subject("a", calls)
-    screen([question(Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
-    pairs = [["base", "candidate"], ["candidate", "base"], ["candidate", "base"], ["base", "candidate"]]
+    screen(
+        [
+            question(
+                Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",)
+            )
+        ],
+        4,
+    )
+    pairs = [
+        ["base", "candidate"],
+        ["candidate", "base"],
+        ["candidate", "base"],
+        ["base", "candidate"],
+    ]
     assert [call[1] for call in calls] == [what for pair in pairs for what in ["move", *pair]]
 
 
@@ -71,13 +110,26 @@ def test_the_self_test_multiplies_the_times_of_the_base_beside_itself() -> None:
 
 def test_only_what_alarms_runs_again() -> None:
     calls: Calls = []
-    judged, runs = judge_all(Known([subject("fine", calls), subject("slow", calls, slower(0.2))]), "fine", 24, lambda line: None)
+    judged, runs = judge_all(
+        Known([subject("fine", calls), subject("slow", calls, slower(0.2))]),
+        "fine",
+        24,
+        lambda line: None,
+    )
     asked = [call[0] for call in calls]
     by_name = {one.name: one for one in judged}
     assert by_name["slow"].red and not by_name["fine"].alarms
-    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["slow"]], "the first run, the self-test, the second run"
+    assert [sorted(run) for run in runs] == [
+        ["fine", "slow"],
+        ["fine"],
+        ["slow"],
+    ], "the first run, the self-test, the second run"
     pairs = [[len(sides.base) for sides in run.values()] for run in runs]
-    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] and asked.count("slow") == 48 + 2 * pairs[2][0]
+    assert (
+        pairs[0] == [24, 24]
+        and asked.count("fine") == 48 + 2 * pairs[1][0]
+        and asked.count("slow") == 48 + 2 * pairs[2][0]
+    )
     assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[2][0]
     assert by_name["fine"].itself.n == pairs[1][0] and not by_name["slow"].itself.n
     assert calls.count(("fine", "base again")) == pairs[1][0], "beside as many of the base"
@@ -86,25 +138,55 @@ def test_only_what_alarms_runs_again() -> None:
 def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
     """`doubtful` is 2.5 % slower, which raises no alarm. `slow` raises one and is run again."""
     calls: Calls = []
-    subjects = [subject("fine", calls), subject("steady", calls), subject("doubtful", calls, slower(0.025)), subject("slow", calls, slower(0.05))]
+    subjects = [
+        subject("fine", calls),
+        subject("steady", calls),
+        subject("doubtful", calls, slower(0.025)),
+        subject("slow", calls, slower(0.05)),
+    ]
     said: list[str] = []
     judged, runs = judge_all(Known(subjects), "steady", 72, said.append)
     rank = order_statistic_rank(72, 1 - 0.05 / 4)
-    assert [one.ratio.n for one in judged] == [24, 24, max(24, 2 * math.ceil(rank / 2)), 2 * math.ceil((73 - rank) / 2)]
+    assert [one.ratio.n for one in judged] == [
+        24,
+        24,
+        max(24, 2 * math.ceil(rank / 2)),
+        2 * math.ceil((73 - rank) / 2),
+    ]
     assert [one.planted.n for one in judged] == [0, judged[3].ratio.n, 0, 0]
-    assert [one.name for one in judged if one.red] == ["slow"] and all(one.ratio.coverage >= 1 - 0.05 / 4 for one in judged)
-    assert judged[3].second.n == 2 * math.ceil((73 - order_statistic_rank(72, 0.95)) / 2), "of one case alone, fewer blocks decide it"
-    assert said == ["more blocks of doubtful, slow, the self-test", "a second run of slow"] and len(runs) == 3
+    assert [one.name for one in judged if one.red] == ["slow"] and all(
+        one.ratio.coverage >= 1 - 0.05 / 4 for one in judged
+    )
+    assert judged[3].second.n == 2 * math.ceil(
+        (73 - order_statistic_rank(72, 0.95)) / 2
+    ), "of one case alone, fewer blocks decide it"
+    assert (
+        said == ["more blocks of doubtful, slow, the self-test", "a second run of slow"]
+        and len(runs) == 3
+    )
 
 
 def test_a_way_of_measuring_that_favours_a_side_spoils_the_verdict() -> None:
     """Of two sides that are measured together, the second is always 6 % slower."""
-    def blocks(sides: Sequence[str], names: Sequence[str]) -> list[dict[str, float]]:
-        return [{"case": SECONDS[side] * (1.06 if side in ("candidate", "base again") else 1)} for side in sides]
 
-    judged, _ = judge_all(Known([Subject("case", ("case",), blocks, {"base": "shapes"})]), "case", 24, lambda line: None)
+    def blocks(sides: Sequence[str], names: Sequence[str]) -> list[dict[str, float]]:
+        return [
+            {"case": SECONDS[side] * (1.06 if side in ("candidate", "base again") else 1)}
+            for side in sides
+        ]
+
+    judged, _ = judge_all(
+        Known([Subject("case", ("case",), blocks, {"base": "shapes"})]),
+        "case",
+        24,
+        lambda line: None,
+    )
     verdict, reasons = verdict_of_times(judged)
-    assert judged[0].red and verdict is Verdict.inconclusive and "1.060 times as slow as itself" in reasons[0]
+    assert (
+        judged[0].red
+        and verdict is Verdict.inconclusive
+        and "1.060 times as slow as itself" in reasons[0]
+    )
 
 
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
@@ -114,23 +196,37 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
         asked.append(some)
         return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
 
-    judged, _ = judge_all(Known([Subject("kernels", ("a", "b", "c"), each(side))]), "", 60, lambda line: None)
-    assert [tuple(names) for names in asked[:48]] == [("a", "b", "c")] * 48 and {tuple(names) for names in asked[48:]} == {("b",)}
+    judged, _ = judge_all(
+        Known([Subject("kernels", ("a", "b", "c"), each(side))]), "", 60, lambda line: None
+    )
+    assert [tuple(names) for names in asked[:48]] == [("a", "b", "c")] * 48 and {
+        tuple(names) for names in asked[48:]
+    } == {("b",)}
     assert [one.red for one in judged] == [False, True, False]
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
-    """Each of 60 cases needs a confidence of 1 - 0.05/60; the second run has one case, which needs 95 %."""
+    """Each of 60 cases needs a confidence of 1 - 0.05/60; the second run has one case, which needs
+    95 %."""
     names = tuple(f"case {i}" for i in range(60))
 
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all(Known([Subject("all", names, each(side))]), "", 24, lambda line: None)
-    assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 > judged[0].second.coverage >= 0.95
+    assert (
+        min(one.ratio.coverage for one in judged)
+        >= 1 - 0.05 / 60
+        > judged[0].second.coverage
+        >= 0.95
+    )
 
 
-def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
+def known_of(
+    base: dict[str, float] | NotMeasured,
+    candidate: dict[str, float] | NotMeasured,
+    shapes: dict[str, str] | None = None,
+) -> Known:
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
         found = base if which == "base" else candidate
         if isinstance(found, NotMeasured):
@@ -144,8 +240,12 @@ def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] |
 
 def test_what_only_one_build_has_is_left_out() -> None:
     known = known_of({"old": 1.0}, {"old": 1.0, "new": 1.0})
-    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == ["new: left out, because the base does not have it"]
-    assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == ["new: left out, because this build does not have it"]
+    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == [
+        "new: left out, because the base does not have it"
+    ]
+    assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == [
+        "new: left out, because this build does not have it"
+    ]
     assert not known_of({"old": 1.0}, {"new": 1.0}).subjects
 
 
@@ -162,7 +262,9 @@ def test_a_case_that_this_build_alone_fails_at_is_broken() -> None:
 
 
 def test_other_shapes_are_left_out() -> None:
-    known = known_of({"old": 1.0, "new": 1.0}, {"old": 2.0, "new": 2.0}, {"base": "a", "candidate": "b"})
+    known = known_of(
+        {"old": 1.0, "new": 1.0}, {"old": 2.0, "new": 2.0}, {"base": "a", "candidate": "b"}
+    )
     assert not known.subjects and "it has other shapes than the base" in known.left_out[0]
 
 
@@ -170,7 +272,10 @@ def test_the_self_test_is_in_the_wanted_case_or_in_the_first_one() -> None:
     calls: Calls = []
     kernels = Subject("kernels", ("build",), lambda sides, names: [])
     known = Known([kernels, subject("a", calls), subject("b", calls)])
-    assert [getattr(known.for_self_test(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
+    assert [
+        getattr(known.for_self_test(wanted), "name", None)
+        for wanted in ("b", "not fetched", "kernels")
+    ] == ["b", "a", "a"]
     assert Known([kernels]).for_self_test("b") is None
 
 
@@ -186,19 +291,28 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
 
 
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 25), (1.0, 3), (0.0001, 250)])
-def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
-    """At least three repeats, as the experiment asks. Two sides measured together have paths of equal length."""
+def test_the_first_block_decides_how_many_repeats_all_have(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int
+) -> None:
+    """At least three repeats, as the experiment asks. Two sides measured together have paths of
+    equal length."""
     asked: list[tuple[str, int]] = []
 
     @contextmanager
-    def job_of_case(program: Path, case: Case, folder: Path, root: Path) -> Iterator[tuple[Block, Path]]:
+    def job_of_case(
+        program: Path, case: Case, folder: Path, root: Path
+    ) -> Iterator[tuple[Block, Path]]:
         assert folder == tmp_path and (root / program.name[:3]).is_file()
         asked.append((program.name, case.experiment["repeats"]))
         yield Block(seconds * len(asked), 0.002, 0.0, "shapes"), root
 
     def together(jobs: list[tuple[Block, Path]]) -> list[Block]:
         roots = [root for _, root in jobs]
-        assert len({len(str(root)) for root in roots}) == 1 and len(set(roots)) == len(roots) and all(root.is_dir() for root in roots)
+        assert (
+            len({len(str(root)) for root in roots}) == 1
+            and len(set(roots)) == len(roots)
+            and all(root.is_dir() for root in roots)
+        )
         return [block for block, _ in jobs]
 
     monkeypatch.setattr(timed, "job_of_case", job_of_case)
@@ -206,43 +320,72 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     for name in ("old", "new"):
         (tmp_path / f"{name} tree").mkdir()
         (tmp_path / f"{name} tree" / name).touch()
-    old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
+    old, new = (
+        Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new")
+    )
     places = Places(tmp_path)
-    one = of_case(Case("case", {"repeats": 3}), {"base": old, "base again": old, "candidate": new}, tmp_path, places)
+    one = of_case(
+        Case("case", {"repeats": 3}),
+        {"base": old, "base again": old, "candidate": new},
+        tmp_path,
+        places,
+    )
     assert one.block("base") == {"case": seconds}
     one.move()
-    assert one.blocks(["candidate", "base again"], ()) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
+    assert one.blocks(["candidate", "base again"], ()) == [
+        {"case": 2 * seconds},
+        {"case": 3 * seconds},
+    ]
     assert asked == [("old-program", 3), ("new-program", repeats), ("old-program", repeats)]
-    assert one.shapes == dict.fromkeys(("base", "candidate", "base again"), "shapes") and one.move == places.move
+    assert (
+        one.shapes == dict.fromkeys(("base", "candidate", "base again"), "shapes")
+        and one.move == places.move
+    )
 
 
 def test_programs_and_kernels_know_their_trees() -> None:
-    old, new = Build("a", Path("old"), None, Path("1")), Build("b", Path("new"), Path("bench"), Path("2"))
+    old, new = Build("a", Path("old"), None, Path("1")), Build(
+        "b", Path("new"), Path("bench"), Path("2")
+    )
     programs = programs_of(old, new)
-    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == Program(Path("new"), Path("2"))
+    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == Program(
+        Path("new"), Path("2")
+    )
     assert programs["base again"] == programs["base"]
     assert kernels_of(old, new) == kernels_of(new, old) == {}, "kernels need both builds"
-    assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
+    assert kernels_of(new, new) == {
+        "base": Program(Path("bench"), Path("2")),
+        "candidate": Program(Path("bench"), Path("2")),
+    }
 
 
-def test_kernels_of_both_sides_are_measured_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_kernels_of_both_sides_are_measured_at_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     places, trees = Places(tmp_path), [tmp_path / name for name in ("old tree", "new tree")]
     for tree in trees:
         tree.mkdir()
         (tree / tree.name[:3]).touch()
 
     @contextmanager
-    def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path) -> Iterator[tuple[str, Path]]:
+    def job_of_kernels(
+        program: Path, names: list[str], folder: Path, root: Path
+    ) -> Iterator[tuple[str, Path]]:
         assert (root / program.name).is_file() and folder == tmp_path
         yield names[0] + program.name, root
 
     def together(jobs: list[tuple[str, Path]]) -> list[dict[str, float]]:
-        assert len({len(str(root)) for _, root in jobs}) == 1 and all(root.is_dir() for _, root in jobs)
+        assert len({len(str(root)) for _, root in jobs}) == 1 and all(
+            root.is_dir() for _, root in jobs
+        )
         return [{name: 1.0} for name, _ in jobs]
 
     monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
     monkeypatch.setattr(timed, "together", together)
-    programs = {"base": Program(tmp_path / "old", trees[0]), "candidate": Program(tmp_path / "new", trees[1])}
+    programs = {
+        "base": Program(tmp_path / "old", trees[0]),
+        "candidate": Program(tmp_path / "new", trees[1]),
+    }
     kernels = of_kernels(["a", "b"], programs, tmp_path, places)
     assert kernels.names == ("a", "b") and kernels.move == places.move
     assert kernels.blocks(["candidate", "base"], ["b"]) == [{"bnew": 1.0}, {"bold": 1.0}]
@@ -250,14 +393,28 @@ def test_kernels_of_both_sides_are_measured_at_once(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.skipif(not PROGRAM.is_file(), reason="the program is not built")
 def test_two_programs_measure_a_pair(tmp_path: Path) -> None:
-    """Runs two programs side by side on generated models, each in a folder that is removed afterwards."""
+    """Runs two programs side by side on generated models, each in a folder that is removed
+    afterwards."""
     scene = {"name": "spheres", "source": "sphere2", "target": "sphere3"}
-    case = Case("guthe on spheres", {"title": "t", "tolerances": [1e-4], "of": "diagonal", "repeats": 2, "rounds": 1, "scene": [scene],
-                                     "solver": [{"name": "guthe"}]})
+    case = Case(
+        "guthe on spheres",
+        {
+            "title": "t",
+            "tolerances": [1e-4],
+            "of": "diagonal",
+            "repeats": 2,
+            "rounds": 1,
+            "scene": [scene],
+            "solver": [{"name": "guthe"}],
+        },
+    )
     programs = dict.fromkeys(("base", "candidate"), Program(PROGRAM, ROOT))
     for name in ("cases", "places"):
         (tmp_path / name).mkdir()
     one = of_case(case, programs, tmp_path / "cases", Places(tmp_path / "places"))
     found = one.blocks(["base", "candidate"], ())
-    assert all(0 < seconds["guthe on spheres"] < 5 for seconds in found) and one.shapes["base"] == one.shapes["candidate"]
+    assert (
+        all(0 < seconds["guthe on spheres"] < 5 for seconds in found)
+        and one.shapes["base"] == one.shapes["candidate"]
+    )
     assert not [file for name in ("cases", "places") for file in (tmp_path / name).iterdir()]

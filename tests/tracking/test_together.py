@@ -1,4 +1,5 @@
-"""Tests two programs run at the same time: each gives its own answer, and neither leaves a process or file behind."""
+"""Tests two programs run at the same time: each gives its own answer, and neither leaves a process
+or file behind."""
 
 from __future__ import annotations
 
@@ -25,7 +26,10 @@ def python(folder: Path, *words: str) -> Job[str]:
 def test_both_run_at_the_same_time(tmp_path: Path) -> None:
     """Each program waits for the other."""
     meet = "import os, sys, time\nopen(sys.argv[1], 'w')\nwhile not os.path.exists(sys.argv[2]): time.sleep(0.01)\nprint(sys.argv[1])"
-    assert together([python(tmp_path, meet, "a", "b"), python(tmp_path, meet, "b", "a")]) == ["a", "b"]
+    assert together([python(tmp_path, meet, "a", "b"), python(tmp_path, meet, "b", "a")]) == [
+        "a",
+        "b",
+    ]
 
 
 def test_both_share_one_core(tmp_path: Path) -> None:
@@ -38,7 +42,9 @@ def test_both_share_one_core(tmp_path: Path) -> None:
 
 def test_what_one_alone_gives(tmp_path: Path) -> None:
     assert together([job(tmp_path, "echo", "alone")]) == ["alone"]
-    assert together([job(tmp_path, "sh", "-c", "pwd; exit 1", good=(0, 1))]) == [str(tmp_path.resolve())]
+    assert together([job(tmp_path, "sh", "-c", "pwd; exit 1", good=(0, 1))]) == [
+        str(tmp_path.resolve())
+    ]
 
 
 def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
@@ -49,7 +55,11 @@ def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
 
 def test_one_that_fails_is_not_measured_and_the_other_is_ended(tmp_path: Path) -> None:
     begun = time.monotonic()
-    sleeping, failing = ["sh", "-c", "echo $$ > pid; exec sleep 60"], ["sh", "-c", "while ! [ -s pid ]; do sleep 0.01; done; echo unknown solver >&2; exit 2"]
+    sleeping, failing = ["sh", "-c", "echo $$ > pid; exec sleep 60"], [
+        "sh",
+        "-c",
+        "while ! [ -s pid ]; do sleep 0.01; done; echo unknown solver >&2; exit 2",
+    ]
     for jobs in ([sleeping, failing], [failing, sleeping]):
         with pytest.raises(NotMeasured, match="exit code 2: unknown solver"):
             together([job(tmp_path, *words) for words in jobs])
@@ -64,13 +74,23 @@ def test_each_has_the_root_of_its_own_tree(tmp_path: Path, monkeypatch: pytest.M
     """Each program gets its own HAUSBENCH_ROOT or none, never the environment's."""
     monkeypatch.setenv("HAUSBENCH_ROOT", "another")
     say = ["sh", "-c", "echo root $HAUSBENCH_ROOT"]
-    jobs = [Job(say, tmp_path, str.strip, root=root) for root in (tmp_path / "1", tmp_path / "2", None)]
+    jobs = [
+        Job(say, tmp_path, str.strip, root=root) for root in (tmp_path / "1", tmp_path / "2", None)
+    ]
     assert together(jobs) == [f"root {tmp_path / '1'}", f"root {tmp_path / '2'}", "root"]
 
 
 def test_programs_that_hang_are_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(blocks, "LIMIT", 2.0)
     with pytest.raises(NotMeasured, match="no end within 2 s"):
-        together([python(tmp_path, f"import os, time; open('{name}' + str(os.getpid()), 'w'); time.sleep(60)") for name in "ab"])
+        together(
+            [
+                python(
+                    tmp_path,
+                    f"import os, time; open('{name}' + str(os.getpid()), 'w'); time.sleep(60)",
+                )
+                for name in "ab"
+            ]
+        )
     left = [int(file.name[1:]) for file in tmp_path.iterdir()]
     assert len(left) == 2 and not any(Path(f"/proc/{pid}").exists() for pid in left)

@@ -45,13 +45,13 @@ TEST(Polynomial, ReadsWhatItShould) {
 
 TEST(Polynomial, PointsAtTheColumn) {
     const std::vector<std::tuple<std::string, std::string, std::string>> wrong = {
-        {"x^2 + 4y", "column 8", "4*x"},       {"x + * y", "column 5", "'*'"},
-        {"(x + y", "column 1", "not closed"},  {"x + y)", "column 6", "'('"},
-        {"x / y", "column 5", "number"},       {"x / 0", "column 5", "zero"},
-        {"x ^ y", "column 5", "an integer"}, {"x ^ 41", "column 5", "40"},
-        {"x +", "column 4", "ends"},           {"x $ y", "column 3", "'$'"},
-        {"x + 1e", "column 7", "digits"},      {"", "column 1", "ends"},
-        {"x + .", "column 5", "digits"},       {"x^30*x^30", "column 10", "above 40"},
+        {"x^2 + 4y", "column 8", "4*x"},      {"x + * y", "column 5", "'*'"},
+        {"(x + y", "column 1", "not closed"}, {"x + y)", "column 6", "'('"},
+        {"x / y", "column 5", "number"},      {"x / 0", "column 5", "zero"},
+        {"x ^ y", "column 5", "an integer"},  {"x ^ 41", "column 5", "40"},
+        {"x +", "column 4", "ends"},          {"x $ y", "column 3", "'$'"},
+        {"x + 1e", "column 7", "digits"},     {"", "column 1", "ends"},
+        {"x + .", "column 5", "digits"},      {"x^30*x^30", "column 10", "above 40"},
         {"x^-1", "column 3", "an integer"}};
     for (const auto& [text, column, word] : wrong) {
         const std::string said = message(text);
