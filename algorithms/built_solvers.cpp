@@ -6,15 +6,18 @@
 
 namespace hausbench {
 
-// Declares the function NAME_solver() of each solver, which the solver's own file defines. CMake writes solvers.inc: it
+// Declares the function NAME::solver() of each solver, which the solver's own file defines. CMake writes solvers.inc: it
 // has a line SOLVER(NAME) for each hausbench_solver(NAME ...) in a CMakeLists.txt.
-#define SOLVER(name) SolverEntry name##_solver();
+#define SOLVER(name)      \
+    namespace name {      \
+    SolverEntry solver(); \
+    }
 #include "solvers.inc"
 #undef SOLVER
 
 std::vector<SolverEntry> built_solvers() {
     return {
-#define SOLVER(name) name##_solver(),
+#define SOLVER(name) name::solver(),
 #include "solvers.inc"
 #undef SOLVER
     };

@@ -3,9 +3,9 @@
 //     h(A,B) = max over a in A of min over b in B of |a - b|
 //
 // from below and above. A is the source and B the target. Each query moves both by its poses; "A posed" means A after
-// this motion. One solver is one .cpp file without a header. It defines a class derived from Solver and a function
-// NAME_solver(), which returns the solver's SolverEntry; a line in the CMakeLists.txt of its folder registers it. The
-// shortest example is points/naive.cpp; read it next.
+// this motion. One solver is one .cpp file without a header, with a namespace of its own, hausbench::NAME. It defines a
+// class derived from Solver and a function solver(), which returns the solver's SolverEntry; a line in the CMakeLists.txt
+// of its folder registers it. The shortest example is points/naive.cpp; read it next.
 //
 // Callers use a solver through a Session (session/session.h), which builds the structures, checks every status, and
 // emulates unsupported features: it obtains H(A,B) = max(h(A,B), h(B,A)) from two directed answers, and answers for a

@@ -35,6 +35,11 @@
 namespace hausbench {
 namespace {
 
+using namespace tang;
+using namespace inc;
+using namespace scan;
+using namespace zhang2017;
+
 Vec3 random_vector(const RandomNumbers& random, std::uint64_t& next) {
     const double x = random.uniform(next++), y = random.uniform(next++), z = random.uniform(next++);
     return {2 * x - 1, 2 * y - 1, 2 * z - 1};

@@ -27,7 +27,7 @@ function(hausbench_shared_objects target)
     UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# hausbench_solver(NAME SOURCE ... [ALONE] [GPL] [IF CONDITION ELSE WHY]): adds a solver to the program. One of its sources defines NAME_solver(). If
+# hausbench_solver(NAME SOURCE ... [ALONE] [GPL] [IF CONDITION ELSE WHY]): adds a solver to the program. One of its sources defines hausbench::NAME::solver(). If
 # the variable CONDITION is off, the solver is not built, and is listed with the reason WHY. Its group in a unity build is its folder, or none if ALONE.
 # The C library leaves out solvers marked GPL, which need libraries under the GPL, and SURFACES, which accept only shapes that it does not have.
 function(hausbench_solver name)

@@ -25,7 +25,7 @@
 #include <limits>
 #include <string>
 
-namespace hausbench {
+namespace hausbench::surface_meshes {
 namespace {
 
 class SurfaceMeshes final : public Solver {
@@ -131,7 +131,7 @@ private:
 
 }  // namespace
 
-SolverEntry surface_meshes_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "surface_meshes";
     info.title = "surface meshes (ours)";
@@ -158,4 +158,4 @@ SolverEntry surface_meshes_solver() {
     return {info, make_solver<SurfaceMeshes>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_meshes

@@ -54,7 +54,7 @@
 #include <array>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::guthe {
 namespace {
 
 struct GuthePiece {
@@ -273,7 +273,7 @@ private:
 
 }  // namespace
 
-SolverEntry guthe_solver() {
+SolverEntry solver() {
     SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe 2005", "guthe2005");
     info.abilities.insert({Ability::warm, Ability::certificates});
     info.parameters = {
@@ -291,4 +291,4 @@ SolverEntry guthe_solver() {
     return {info, make_solver<Guthe>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::guthe

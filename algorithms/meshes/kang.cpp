@@ -12,9 +12,9 @@
 // Budget: subdivisions.
 #include "algorithms/meshes/cascade.h"
 
-namespace hausbench {
+namespace hausbench::kang {
 
-SolverEntry kang_solver() {
+SolverEntry solver() {
     SolverInfo info = cascade_info("kang", "Kang 2018", "kang2018");
     info.may_need.push_back(need<TriangleGrid>(Side::target));
     info.parameters.push_back({.name = "closest",
@@ -29,4 +29,4 @@ SolverEntry kang_solver() {
             }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::kang

@@ -29,7 +29,7 @@
 #include <optional>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::monte_carlo {
 namespace {
 
 constexpr double z = 1.96;  // 95 % of a normal distribution lie within this many standard deviations
@@ -231,7 +231,7 @@ private:
 
 }  // namespace
 
-SolverEntry monte_carlo_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "monte_carlo";
     info.title = "Monte Carlo (95 %)";
@@ -247,4 +247,4 @@ SolverEntry monte_carlo_solver() {
     return {info, make_solver<MonteCarlo>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::monte_carlo

@@ -22,7 +22,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::sacht {
 namespace {
 
 // Returns an error message if this is not a valid value of the parameter `order`. Returns an empty string if it is
@@ -44,7 +44,7 @@ std::vector<PieceBound> order_of(const std::string& digits) {
 
 }  // namespace
 
-SolverEntry sacht_solver() {
+SolverEntry solver() {
     SolverInfo info = cascade_info("sacht", "Sacht 2024", "sacht2024");
     info.parameters.push_back({.name = "order",
                                .default_value = std::string("1234"),
@@ -64,4 +64,4 @@ SolverEntry sacht_solver() {
             }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::sacht

@@ -39,7 +39,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::sampling {
 namespace {
 
 constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // per edge; an int and a double hold it exactly
@@ -277,7 +277,7 @@ private:
 
 }  // namespace
 
-SolverEntry sampling_solver() {
+SolverEntry solver() {
     SolverInfo info = mesh_solver_info<TriangleOctree>("sampling", "sampling", "cignoni1998");
     info.ignores_tolerance = true;
     info.parameters = {
@@ -294,4 +294,4 @@ SolverEntry sampling_solver() {
     return {info, make_solver<SamplingSolver>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::sampling

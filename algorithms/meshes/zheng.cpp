@@ -13,12 +13,12 @@
 // Budget: subdivisions.
 #include "algorithms/meshes/cascade.h"
 
-namespace hausbench {
+namespace hausbench::zheng {
 
-SolverEntry zheng_solver() {
+SolverEntry solver() {
     return {cascade_info("zheng", "Zheng 2022", "zheng2022", true), [](const Options& options) {
                 return cascade_solver(cascade_of(options, {PieceBound::nearest_triangles}));
             }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::zheng

@@ -31,7 +31,7 @@
 #include <CGAL/Polygon_mesh_processing/distance.h>
 #include <CGAL/Surface_mesh.h>
 
-namespace hausbench {
+namespace hausbench::cgal {
 namespace {
 
 // CGAL's example uses Exact_predicates_inexact_constructions_kernel, which gives the same answers in the same time. But
@@ -144,7 +144,7 @@ private:
 
 }  // namespace
 
-SolverEntry cgal_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "cgal";
     info.title = "CGAL";
@@ -160,4 +160,4 @@ SolverEntry cgal_solver() {
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Cgal>(options); }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cgal

@@ -21,7 +21,7 @@
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/property_map.h>
 
-namespace hausbench {
+namespace hausbench::cgal_kdtree {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
@@ -87,11 +87,11 @@ private:
 
 }  // namespace
 
-SolverEntry cgal_kdtree_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("cgal_kdtree", "k-d tree (CGAL)", "cgal_searching");
     info.certified = true;
     info.abilities.erase(Ability::traces);  // no lower bound is proven before checked_result(), at the end
     return {info, make_solver<CgalKdTree>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cgal_kdtree

@@ -11,7 +11,7 @@
 
 #include <nanoflann.hpp>
 
-namespace hausbench {
+namespace hausbench::kdtree {
 namespace {
 
 // The interface through which nanoflann reads the points; it does not copy them.
@@ -127,7 +127,7 @@ private:
 
 }  // namespace
 
-SolverEntry kdtree_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "kdtree";
     info.title = "k-d tree (nanoflann)";
@@ -152,4 +152,4 @@ SolverEntry kdtree_solver() {
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<KdTree>(options); }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::kdtree

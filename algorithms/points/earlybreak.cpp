@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <array>
 
-namespace hausbench {
+namespace hausbench::earlybreak {
 namespace {
 
 // Returns the coordinates of point i as a sort key. Adding 0.0 turns -0 into +0, so that equal coordinates have equal
@@ -93,7 +93,7 @@ private:
 
 }  // namespace
 
-SolverEntry earlybreak_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("earlybreak", "EARLYBREAK", "taha2015");
     info.certified = true;
     info.parameters = {
@@ -110,4 +110,4 @@ SolverEntry earlybreak_solver() {
     return {info, make_solver<EarlyBreak>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::earlybreak

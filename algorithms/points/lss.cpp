@@ -19,7 +19,7 @@
 #include <limits>
 #include <numeric>
 
-namespace hausbench {
+namespace hausbench::lss {
 namespace {
 
 // Returns the rows of the points, along a Morton curve if `sort` is set.
@@ -114,7 +114,7 @@ private:
 
 }  // namespace
 
-SolverEntry lss_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("lss", "LSS", "chen2017");
     info.certified = true;
     info.parameters = {
@@ -126,4 +126,4 @@ SolverEntry lss_solver() {
     return {info, make_solver<LocalStartSearch>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::lss

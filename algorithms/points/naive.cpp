@@ -3,7 +3,7 @@
 // A small solver is one .cpp file: a comment such as this one, which names the source, the time and memory, and the
 // unit of Query::budget; a class derived from Solver, in an unnamed namespace; and a function that returns its
 // SolverEntry. The line hausbench_solver(naive naive.cpp) in CMakeLists.txt compiles the file and registers
-// naive_solver(). algorithms/solver.h has the full contract.
+// naive::solver(). algorithms/solver.h has the full contract.
 //
 // Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
 // Algorithm 1, with a correction: line 3 must read cmin <- infinity, where cmin is the smallest distance found for
@@ -12,7 +12,7 @@
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
 
-namespace hausbench {
+namespace hausbench::naive {
 namespace {
 
 // Compares one point of A with the rows [begin, end) of B. `nearest` is the smallest squared distance so far and `at`
@@ -82,10 +82,10 @@ private:
 
 }  // namespace
 
-SolverEntry naive_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("naive", "NAIVEHDD", "zhang2017");
     info.certified = true;  // because exact_result() widens the bounds by the rounding errors that rounding.h derives
     return {info, make_solver<Naive>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::naive

@@ -22,7 +22,7 @@
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 
-namespace hausbench {
+namespace hausbench::penetration {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
@@ -229,4 +229,4 @@ CommonVolume common_volume(const Solid& source, const Pose& source_pose, const S
     return common;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::penetration

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::penetration {
 
 // A closed mesh prepared for intersection: coincident vertices are merged, and all triangles face outward.
 class Solid {
@@ -52,4 +52,4 @@ struct CommonVolume {
 // Intersects two solids. Neither may have a flaw(). Places where they only touch have no volume and are left out.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
-}  // namespace hausbench
+}  // namespace hausbench::penetration

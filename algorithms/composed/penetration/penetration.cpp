@@ -27,7 +27,7 @@
 
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::penetration {
 namespace {
 
 class Penetration final : public Solver {
@@ -157,7 +157,7 @@ private:
 
 }  // namespace
 
-SolverEntry penetration_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "penetration";
     info.title = "Tang 2009, penetration depth";
@@ -178,4 +178,4 @@ SolverEntry penetration_solver() {
     return {info, make_solver<Penetration>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::penetration

@@ -13,20 +13,20 @@
 #include <cstdint>
 #include <span>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 // The corners of up to eight pieces (triangles of A or parts of one). Corners that pieces share are stored once.
-struct CoverBatch {
+struct Batch {
     static constexpr std::size_t most_pieces = 8;
 
     std::array<Vec3, 3 * most_pieces> corner;
     std::array<std::array<std::size_t, 3>, most_pieces> of_piece;  // for each piece, indices into `corner`
-    CoverPoints<float> points;                                     // the corners in local coordinates
+    LocalPoints<float> points;                                     // the corners in local coordinates
     LocalUnits place;
     Vec3 centre;        // the origin of the local coordinates
     double radius = 0;  // the largest distance from `centre` to a corner
 
-    CoverBatch(std::span<const CoverPiece> pieces, double magnitude) {
+    Batch(std::span<const Piece> pieces, double magnitude) {
         Box box;
         std::array<std::uint8_t, slots> number{};  // a hash table: 1 + the index of a corner; 0: empty slot
         for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -77,4 +77,4 @@ private:
     static std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

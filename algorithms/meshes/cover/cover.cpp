@@ -54,7 +54,7 @@
 #include <optional>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 namespace {
 
 constexpr std::size_t first_clusters = 32;  // the clusters most likely to have the farthest point, finished first
@@ -63,7 +63,7 @@ constexpr std::size_t first_clusters = 32;  // the clusters most likely to have 
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
 // Returns the least gap between the lower bound on h(A,B) and the threshold tau. This is more than rounding adds to an
-// upper bound; CoverWork::threshold() enlarges the gap if double precision needs more.
+// upper bound; Work::threshold() enlarges the gap if double precision needs more.
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
@@ -72,10 +72,10 @@ Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
     return warm_start->partner.data();
 }
 
-class CoverSearch {
+class Search {
 public:
-    CoverSearch(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order,
-                const GroupBoxes& boxes, const Query& query, WarmStart* warm_start, Trace& trace)
+    Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const GroupBoxes& boxes,
+           const Query& query, WarmStart* warm_start, Trace& trace)
         : pair_(pair),
           boxes_(boxes, pair.source.triangles, pair.points, order, query.source_pose),
           query_(query),
@@ -86,8 +86,7 @@ public:
           stages_(query.wanted.stages),
           bounds_(query, pair.target, {pair.magnitude, true}, counters_, trace, elements_ ? &*elements_ : nullptr),
           deadline_(query.deadline()),
-          proofs_(query.wanted.certificate ? std::make_optional<CoverProofs>(pair.source.triangles.rows())
-                                           : std::nullopt),
+          proofs_(query.wanted.certificate ? std::make_optional<Proofs>(pair.source.triangles.rows()) : std::nullopt),
           scene_{pair.source,
                  pair.points,
                  pair.target,
@@ -112,7 +111,7 @@ private:
     void decide_all(std::size_t clusters_left);
     template <class Item, class UpperOfRest>
     void in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest);
-    void merge(CoverOutcome outcome);
+    void merge(Outcome outcome);
     bool asks() const { return query_.floor > 0 || query_.cutoff < std::numeric_limits<double>::infinity(); }
     template <class List> static double upper_of(const List& list, std::size_t from) {
         double most = 0;
@@ -130,12 +129,12 @@ private:
     Stages stages_;
     SearchBounds bounds_;
     Deadline deadline_;
-    std::optional<CoverProofs> proofs_;
-    CoverInput scene_;
+    std::optional<Proofs> proofs_;
+    Input scene_;
     Threads threads_;
-    std::vector<std::unique_ptr<CoverWork>> works_;  // one per thread; null until the thread gets its first part
+    std::vector<std::unique_ptr<Work>> works_;  // one per thread; null until the thread gets its first part
     std::vector<Cluster> clusters_;
-    std::vector<CoverPiece> undecided_;
+    std::vector<Piece> undecided_;
     std::optional<Status> stop_;
 };
 
@@ -143,8 +142,7 @@ private:
 // this file). upper_of_rest(i) returns the largest upper bound of the work left after items 0 to i - 1. It is called
 // after each round if the query has a trace, a floor or a cutoff.
 template <class Item, class UpperOfRest>
-void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
-                            const UpperOfRest& upper_of_rest) {
+void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest) {
     const bool one_by_one = query_.budget < std::numeric_limits<std::uint64_t>::max();
     if (one_by_one) of_part = 1;
     std::size_t parts = 1;
@@ -155,19 +153,19 @@ void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& 
         const double settled = bounds_.settled();
         const std::uint64_t left = query_.budget - std::min(query_.budget, counters_.subdivisions);
         const bool stopped = stop_.has_value();
-        std::vector<CoverOutcome> outcomes((end - begin + of_part - 1) / of_part);
+        std::vector<Outcome> outcomes((end - begin + of_part - 1) / of_part);
         std::vector<std::optional<Status>> stops(outcomes.size());
         threads_.for_each(outcomes.size(), [&](std::size_t part, int number) {
-            std::unique_ptr<CoverWork>& made = works_[static_cast<std::size_t>(number)];
-            if (!made) made = std::make_unique<CoverWork>(scene_);
-            CoverWork& work = *made;
+            std::unique_ptr<Work>& made = works_[static_cast<std::size_t>(number)];
+            if (!made) made = std::make_unique<Work>(scene_);
+            Work& work = *made;
             work.begin(farthest, settled, left, stopped, deadline_);
             const std::size_t first = begin + part * of_part;
             for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(work, i);
             stops[part] = work.stopped();
             outcomes[part] = work.finish();
         });
-        for (CoverOutcome& outcome : outcomes) merge(std::move(outcome));
+        for (Outcome& outcome : outcomes) merge(std::move(outcome));
         for (const std::optional<Status>& stop : stops)
             if (!stop_) stop_ = stop;
         if (stop_) continue;
@@ -178,7 +176,7 @@ void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& 
     }
 }
 
-void CoverSearch::merge(CoverOutcome outcome) {
+void Search::merge(Outcome outcome) {
     for (const CounterField& field : counter_fields) counters_.*field.member += outcome.counters.*field.member;
     if (outcome.farthest.source >= 0)
         bounds_.offer(outcome.farthest.point, outcome.farthest.source, outcome.farthest.level);
@@ -188,7 +186,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
 }
 
 // Measures the distance to B of the previous pose's farthest point, which is likely to be farthest again.
-void CoverSearch::measure_previous() {
+void Search::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);
     const Triangle t{pair_.points.row(v[0]), pair_.points.row(v[1]), pair_.points.row(v[2])};
@@ -202,14 +200,14 @@ void CoverSearch::measure_previous() {
 // Computes upper bounds on the distance to B for groups of triangles of A, from large groups down to clusters of 16
 // triangles. The few large groups come first, so that the lower bound is nearly final before the many small groups are
 // measured.
-void CoverSearch::measure_groups() {
+void Search::measure_groups() {
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
     for (std::size_t level = boxes_.levels(); level-- > 0;) {
         std::vector<Cluster> groups;
         groups.swap(clusters_);
         const std::size_t size = GroupBoxes::triangles_of_group(level);
-        const auto item = [&](CoverWork& work, std::size_t i) {
+        const auto item = [&](Work& work, std::size_t i) {
             const Cluster& group = groups[i];
             for (std::size_t begin = group.begin; begin < group.begin + group.count; begin += size) {
                 Cluster part = group;
@@ -224,26 +222,26 @@ void CoverSearch::measure_groups() {
     }
 }
 
-void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
+void Search::cover_clusters(std::size_t begin, std::size_t end) {
     in_rounds(
-        end - begin, clusters_of_part, [&](CoverWork& work, std::size_t i) { work.cover(clusters_[begin + i]); },
+        end - begin, clusters_of_part, [&](Work& work, std::size_t i) { work.cover(clusters_[begin + i]); },
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
 // Finishes, in double precision, the pieces of A for which single precision was not enough. Starts with the pieces that
 // have the largest upper bounds, because measuring them may raise the lower bound. Clusters from `clusters_left` on
 // have not been covered yet.
-void CoverSearch::decide_all(std::size_t clusters_left) {
-    std::vector<CoverPiece> pieces;
+void Search::decide_all(std::size_t clusters_left) {
+    std::vector<Piece> pieces;
     pieces.swap(undecided_);
     std::stable_sort(pieces.begin(), pieces.end(),
-                     [](const CoverPiece& x, const CoverPiece& y) { return x.upper.value > y.upper.value; });
+                     [](const Piece& x, const Piece& y) { return x.upper.value > y.upper.value; });
     in_rounds(
-        pieces.size(), pieces_of_part, [&](CoverWork& work, std::size_t i) { work.decide(pieces[i]); },
+        pieces.size(), pieces_of_part, [&](Work& work, std::size_t i) { work.decide(pieces[i]); },
         [&](std::size_t i) { return std::max(upper_of(pieces, i), upper_of(clusters_, clusters_left)); });
 }
 
-Result CoverSearch::run() {
+Result Search::run() {
     measure_previous();
     measure_groups();
     if (stop_ == Status::time_limit) {
@@ -301,7 +299,7 @@ public:
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return CoverSearch(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
+        return Search(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
     }
 
     const TriangleOrder* order_ = nullptr;
@@ -310,7 +308,7 @@ private:
 
 }  // namespace
 
-SolverEntry cover_solver() {
+SolverEntry solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.abilities.insert({Ability::warm, Ability::shared_pairs, Ability::threads, Ability::certificates});
     info.abilities.erase(Ability::coarser_answers);  // tau, which steers the search, depends on the tolerance
@@ -318,4 +316,4 @@ SolverEntry cover_solver() {
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 namespace {
 
@@ -63,4 +63,4 @@ Box PosedGroupBoxes::box(std::size_t level, std::size_t group) const {
                         boxes_.box(level, group));
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

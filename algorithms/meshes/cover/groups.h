@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 inline constexpr std::size_t cluster_triangles = 16;  // in a cluster, the smallest kind of group
 
@@ -53,4 +53,4 @@ private:
     Box within_;  // the box of all moved vertices, to which the boxes of larger groups are clipped
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

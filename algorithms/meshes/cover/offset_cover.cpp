@@ -15,15 +15,17 @@
 #include "algorithms/meshes/cover/offset_cover_peel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::cover::HWY_NAMESPACE {
+
+using namespace hausbench::HWY_NAMESPACE;
 namespace {
 
-void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+void shared_rows(OffsetCover<float>& cover, const LocalPoints<float>& points) {
     const Candidates<float> all{&cover.near, cover.limit.data()};
     for (std::size_t i = 0; i < points.count; ++i) measure_row(cover, all, i, points.x[i], points.y[i], points.z[i]);
 }
 
-CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+CoverResult shared_piece(OffsetCover<float>& cover, const Polygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
     // Most pieces are covered by a single triangle of B, which is found in less time than it takes to set up an engine.
     if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != no_triangle) {
@@ -34,17 +36,17 @@ CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& p
     return Engine<float>(cover, nullptr, nullptr, most_work).run(piece, points.data());
 }
 
-CoverResult sure_piece(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+CoverResult sure_piece(OffsetCover<double>& cover, const Polygon<double>& piece, Host& host,
                        const TriangleMesh& target) {
     return Engine<double>(cover, &host, &target, std::numeric_limits<std::size_t>::max()).run(piece, nullptr);
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::cover::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace hausbench {
+namespace hausbench::cover {
 
 HWY_EXPORT(shared_rows);
 HWY_EXPORT(shared_piece);
@@ -77,10 +79,10 @@ template <class T> void OffsetCover<T>::make_rows(std::size_t points) {
 template struct OffsetCover<float>;
 template struct OffsetCover<double>;
 
-void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+void measure_shared(OffsetCover<float>& cover, const LocalPoints<float>& points) {
     HWY_DYNAMIC_DISPATCH(shared_rows)(cover, points);
 }
-CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+CoverResult cover_shared(OffsetCover<float>& cover, const Polygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
     return HWY_DYNAMIC_DISPATCH(shared_piece)(cover, piece, points, most_work);
 }
@@ -98,11 +100,11 @@ std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::siz
         return no_triangle;
     return best;
 }
-CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+CoverResult cover_surely(OffsetCover<double>& cover, const Polygon<double>& piece, Host& host,
                          const TriangleMesh& target) {
     cover.make_rows(most_shared_points + most_polygon_corners + 4);
     return HWY_DYNAMIC_DISPATCH(sure_piece)(cover, piece, host, target);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cover
 #endif

@@ -43,13 +43,13 @@
 #include <cstdint>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 inline constexpr std::size_t most_polygon_corners = 16;
 
 // A convex polygon cut out of a triangle of A. Coordinates are local: relative to a nearby origin, and scaled so that
 // |coordinate| <= 1.
-template <class T> struct CoverPolygon {
+template <class T> struct Polygon {
     std::size_t count = 0;
     T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
     // For each corner, an upper bound on the distance by which rounding moved it, as a multiple of the unit roundoff of
@@ -100,13 +100,13 @@ inline constexpr std::size_t most_shared_points = 48;
 
 // The corners of several pieces of A, in local coordinates. Shared corners are stored once, so that their distances to
 // B are computed once.
-template <class T> struct CoverPoints {
+template <class T> struct LocalPoints {
     std::size_t count = 0;
     T x[most_shared_points], y[most_shared_points], z[most_shared_points];
 };
 
 // Callbacks from cover_surely() to the search that uses it. All points and lengths are in local coordinates.
-class CoverHost {
+class Host {
 public:
     // Returns the triangle of B nearest to a point of the piece; tries triangle `near` first. May raise threshold(),
     // because the distance of the point is a lower bound on h(A,B). Rounding may have moved the point by up to `slack`
@@ -123,7 +123,7 @@ public:
     virtual bool go_on() = 0;
 
 protected:
-    ~CoverHost() = default;
+    ~Host() = default;
 };
 
 // The data to show that neighbouring pieces of A are within a threshold of B: the triangles of B near them, and the
@@ -139,14 +139,14 @@ template <class T> struct OffsetCover {
     // For each triangle of `near`, the largest computed squared distance for which the exact distance is certainly at
     // most the threshold. Negative if rounding errors are too large for that.
     std::vector<T> limit;
-    std::vector<T> squared;              // squared distances: a row per point, a column per triangle of `near` or `few`
-    std::vector<NearSet> within;         // for each point, the triangles certainly within the threshold
-    std::vector<CoverPolygon<T>> stack;  // polygons still to be covered
+    std::vector<T> squared;         // squared distances: a row per point, a column per triangle of `near` or `few`
+    std::vector<NearSet> within;    // for each point, the triangles certainly within the threshold
+    std::vector<Polygon<T>> stack;  // polygons still to be covered
     // Receives the certificate of the current piece. Null if no certificate is wanted.
     CertificateTree* proof = nullptr;
     std::uint64_t distances = 0, tests = 0, cuts = 0;  // counters of the work done
 
-    // The largest rounding error that a corner may have, in units of CoverPolygon::slack. Cuts that might exceed it are
+    // The largest rounding error that a corner may have, in units of Polygon::slack. Cuts that might exceed it are
     // not made.
     static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;
 
@@ -185,12 +185,12 @@ struct CoverResult {
 
 // Computes the squared distances from all points to all triangles of cover.near. Point i gets row i of cover.squared
 // and entry i of cover.within.
-void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points);
+void measure_shared(OffsetCover<float>& cover, const LocalPoints<float>& points);
 
 // Tries to show in single precision that a piece is within the threshold of B, and gives up after most_work polygons.
 // Before the call, measure_shared() must have measured the corners of the piece; `points` are their row numbers in
 // cover.squared.
-CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+CoverResult cover_shared(OffsetCover<float>& cover, const Polygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 
 // Returns the triangle of B with the least computed distance to the farthest corner of a piece. Returns no_triangle if
@@ -201,7 +201,7 @@ std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::siz
 // beyond the threshold, which may raise the threshold. A part that must not be cut further gets the best bound found
 // for it, even one above the threshold. Returns covered == false only if cover.near has no room for another triangle of
 // B. Then gather the triangles anew, with the new threshold, and call again.
-CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+CoverResult cover_surely(OffsetCover<double>& cover, const Polygon<double>& piece, Host& host,
                          const TriangleMesh& target);
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

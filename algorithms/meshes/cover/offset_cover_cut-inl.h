@@ -11,7 +11,9 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::cover::HWY_NAMESPACE {
+
+using namespace hausbench::HWY_NAMESPACE;
 namespace {
 
 // Upper bound on the rounding error of the mean of up to 16 corners, as a multiple of the unit roundoff u. As
@@ -181,9 +183,9 @@ template <class T> void Engine<T>::cut() {
     };
     CutPoint start = CutPoint::corner(0), stop = start;
     const Corner p = crossing(before, first, before, start), q = crossing(end, after, after, stop);
-    CoverPolygon<T> high, low;
+    Polygon<T> high, low;
     std::size_t rows[most_polygon_corners];
-    const auto add = [&](CoverPolygon<T>& part, const Corner& at) {
+    const auto add = [&](Polygon<T>& part, const Corner& at) {
         rows[part.count] = at.row;
         part.add(at.x, at.y, at.z, at.slack);
     };
@@ -201,6 +203,6 @@ template <class T> void Engine<T>::cut() {
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::cover::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

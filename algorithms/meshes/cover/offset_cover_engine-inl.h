@@ -21,7 +21,9 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::cover::HWY_NAMESPACE {
+
+using namespace hausbench::HWY_NAMESPACE;
 namespace {
 
 // Number of triangles of B that are compared before a part of a polygon is cut off.
@@ -30,10 +32,10 @@ constexpr std::size_t tried_triangles = 3;
 // Shows that one piece of A is within the threshold of B (offset_cover.h).
 template <class T> class Engine {
 public:
-    Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
+    Engine(OffsetCover<T>& cover, Host* host, const TriangleMesh* target, std::size_t most_work)
         : c_(cover), all_{&cover.near, cover.limit.data()}, host_(host), target_(target), most_work_(most_work) {}
 
-    CoverResult run(const CoverPolygon<T>& piece, const std::size_t* shared);
+    CoverResult run(const Polygon<T>& piece, const std::size_t* shared);
 
 private:
     static constexpr bool exact = sizeof(T) == 8;
@@ -60,8 +62,8 @@ private:
     };
     enum class Peel { stuck, peeled, covered };
 
-    CoverResult cover(const CoverPolygon<T>& piece, const std::size_t* shared);
-    void begin(const CoverPolygon<T>& polygon, const std::size_t* rows);
+    CoverResult cover(const Polygon<T>& piece, const std::size_t* shared);
+    void begin(const Polygon<T>& polygon, const std::size_t* rows);
     bool pop();
     bool one_for_all();
     bool every_corner_near();
@@ -78,8 +80,7 @@ private:
     Peel peel();
     void keep_few();
     void find_centre();
-    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
-                  std::size_t k);
+    bool add_exit(Polygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t, std::size_t k);
     enum class Centre { covered, lost, cut };
     Centre look_at_centre();
     void cut();
@@ -133,11 +134,11 @@ private:
 
     OffsetCover<T>& c_;
     Candidates<T> all_;
-    CoverHost* host_;             // null in single precision
+    Host* host_;                  // null in single precision
     const TriangleMesh* target_;  // null in single precision
     std::size_t most_work_, work_ = 0;
     double upper_ = 0;                         // largest upper bound of the polygons covered so far
-    CoverPolygon<T> piece_;                    // the current polygon
+    Polygon<T> piece_;                         // the current polygon
     std::size_t row_[most_polygon_corners]{};  // for each corner, its row in c_.squared and its index in c_.within
     std::uint32_t used_ = 0;                   // bit i: row most_shared_points + i is in use
     int slow_ = 0;                             // number of consecutive peels that removed little
@@ -166,7 +167,7 @@ template <class T> std::size_t Engine<T>::nearest(std::size_t point) const {
 }
 
 // Makes a polygon the current one. `rows`: the rows of its corners; null if they are not measured yet.
-template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* rows) {
+template <class T> void Engine<T>::begin(const Polygon<T>& polygon, const std::size_t* rows) {
     piece_ = polygon;
     used_ = 0;
     slow_ = 0;
@@ -184,14 +185,14 @@ template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const s
     }
 }
 
-template <class T> CoverResult Engine<T>::run(const CoverPolygon<T>& piece, const std::size_t* shared) {
+template <class T> CoverResult Engine<T>::run(const Polygon<T>& piece, const std::size_t* shared) {
     const std::size_t mark = c_.proof ? c_.proof->mark() : 0;
     const CoverResult result = cover(piece, shared);
     if (c_.proof && !result.covered) c_.proof->back_to(mark);
     return result;
 }
 
-template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, const std::size_t* shared) {
+template <class T> CoverResult Engine<T>::cover(const Polygon<T>& piece, const std::size_t* shared) {
     c_.stack.clear();
     begin(piece, shared);
     while (true) {
@@ -234,7 +235,7 @@ template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, co
 
 template <class T> bool Engine<T>::pop() {
     if (c_.stack.empty()) return false;
-    const CoverPolygon<T> polygon = c_.stack.back();
+    const Polygon<T> polygon = c_.stack.back();
     c_.stack.pop_back();
     begin(polygon, nullptr);
     return true;
@@ -264,7 +265,7 @@ template <class T> bool Engine<T>::one_for_all() {
     return true;
 }
 
-// Calls CoverHost::measure() to find the triangle of B nearest to a point of the piece, which may raise the threshold.
+// Calls Host::measure() to find the triangle of B nearest to a point of the piece, which may raise the threshold.
 // Adds the triangle to `near`, or sets full_ if `near` is full. Updates distances and limits.
 template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
@@ -311,6 +312,6 @@ template <class T> bool Engine<T>::every_corner_near() {
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::cover::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

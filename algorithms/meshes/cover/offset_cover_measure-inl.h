@@ -19,7 +19,9 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::cover::HWY_NAMESPACE {
+
+using namespace hausbench::HWY_NAMESPACE;
 namespace {
 
 // Number of sample points whose distances to one triangle of B are computed at once: half of them on one edge of a
@@ -143,6 +145,6 @@ Covering covering_triangle(OffsetCover<T>& c, const NearTriangles<T>& frames, st
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::cover::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

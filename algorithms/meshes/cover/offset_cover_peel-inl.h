@@ -11,7 +11,9 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::cover::HWY_NAMESPACE {
+
+using namespace hausbench::HWY_NAMESPACE;
 namespace {
 
 constexpr std::size_t most_second_triangles = 4;  // number of triangles that by_two() tries as the second of two
@@ -200,7 +202,7 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
 // that the rounded corner is certainly within the threshold of triangle k. Returns false if no reduction that it tries
 // is enough, or if the rounding error of the corner would be too large.
 template <class T>
-bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
+bool Engine<T>::add_exit(Polygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
     if (WATCHED("offset cover: most slack, one exit", slack > OffsetCover<T>::most_slack)) return false;
@@ -291,7 +293,7 @@ template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (removed < T(0.02)) return Peel::stuck;
     slow_ = removed < T(0.3) ? slow_ + 1 : 0;
 
-    CoverPolygon<T> rest;
+    Polygon<T> rest;
     std::size_t rows[most_polygon_corners];
     const std::uint32_t used_before = used_;
     bool kept = add_exit(rest, rows, end, next(end), out.after, out.triangle);
@@ -320,6 +322,6 @@ template <class T> typename Engine<T>::Peel Engine<T>::peel() {
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::cover::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -10,12 +10,12 @@
 #include <deque>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::cover {
 
-class CoverProofs {
+class Proofs {
 public:
     // Starts with one piece for each triangle of A; piece i is triangle i.
-    explicit CoverProofs(Index triangles) : triangles_(triangles), pieces_(static_cast<std::size_t>(triangles)) {}
+    explicit Proofs(Index triangles) : triangles_(triangles), pieces_(static_cast<std::size_t>(triangles)) {}
 
     CertificateTree& tree(Index piece) { return pieces_[static_cast<std::size_t>(piece)].tree; }
 
@@ -61,4 +61,4 @@ private:
     std::deque<Piece> pieces_;  // references stay valid as it grows
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

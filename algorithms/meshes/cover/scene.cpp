@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
     const auto middle = static_cast<std::ptrdiff_t>(std::min(first, clusters.size()));
@@ -25,13 +25,13 @@ void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
     clusters = std::move(ordered);
 }
 
-double CoverPiece::farthest_corner(const Vec3& from) const {
+double Piece::farthest_corner(const Vec3& from) const {
     double squared = 0;
     for (const Vec3& corner : corners) squared = std::max(squared, squared_length(corner - from));
     return std::sqrt(squared);
 }
 
-std::size_t CoverPiece::longest_edge() const {
+std::size_t Piece::longest_edge() const {
     std::size_t longest = 0;
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -44,4 +44,4 @@ std::size_t CoverPiece::longest_edge() const {
     return longest;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

@@ -1,4 +1,4 @@
-// The input and the results of a CoverWork, which does one part of the work of threshold cover
+// The input and the results of a Work, which does one part of the work of threshold cover
 // (meshes/cover/cover.cpp).
 //
 // To *settle* triangles of A or a piece is to record a proven upper bound on their distance to B, after which the
@@ -16,14 +16,14 @@
 #include <limits>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 // A point whose distance to a triangle of B is known. The distance of any point p to B is at most `distance` + |p -
 // at|, so a landmark bounds the distances of the triangles of A around it.
 struct Landmark {
     Vec3 at = Vec3::Zero();
     double distance = 0;  // to triangle `near`, as computed
-    Index near = -1;      // the nearest triangle of B, or a partner (CoverInput::partner); -1: not measured
+    Index near = -1;      // the nearest triangle of B, or a partner (Input::partner); -1: not measured
     Index vertex = -1;    // if the landmark is a vertex of A: its index; otherwise -1
 };
 
@@ -41,7 +41,7 @@ struct KnownUpper {
 
 // A group of neighbouring triangles of A, with the best known upper bound on its distance to B.
 struct Cluster {
-    std::size_t begin = 0, count = 0;  // its triangles are entries begin to begin + count - 1 of CoverInput::order
+    std::size_t begin = 0, count = 0;  // its triangles are entries begin to begin + count - 1 of Input::order
     KnownUpper upper;
     Landmark landmark;
 };
@@ -50,8 +50,8 @@ struct Cluster {
 // their order, so that neighbours stay together.
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
 
-// What a CoverWork gets. Keeps references.
-struct CoverInput {
+// What a Work gets. Keeps references.
+struct Input {
     const TriangleMesh& a;
     const Points& points;  // vertices of A, after its pose
     const Target& target;
@@ -63,17 +63,17 @@ struct CoverInput {
     // Receives the bounds of each triangle of A for Result::fields; null if no fields are wanted. If `elements` or
     // `proofs` is set, only one of them works at a time.
     ElementBounds* elements;
-    CoverProofs* proofs;  // certificate under construction; null if none is wanted
+    Proofs* proofs;  // certificate under construction; null if none is wanted
     // For each triangle of A, a triangle of B that is probably near it, or -1 if none is known. Null without a warm
     // start (WarmStart::partner). Those that work at the same time use different entries.
     Index* partner;
 };
 
 // A triangle of A or a part of one.
-struct CoverPiece {
+struct Piece {
     std::array<Vec3, 3> corners;
     Index source;  // triangle of A
-    Index proof;   // index of the piece in CoverProofs
+    Index proof;   // index of the piece in Proofs
     KnownUpper upper;
     Landmark landmark;
     int level = 0;  // number of halvings; bounds the rounding error of the corners (kernel/rounding.h)
@@ -94,12 +94,12 @@ inline constexpr double least_place = 0x1p-100;
 inline constexpr int halvings_for_all_near = 8;
 
 // The results of one part of the work (see "Rounds" in cover.cpp).
-struct CoverOutcome {
+struct Outcome {
     Farthest farthest;
-    double settled = 0;                 // largest upper bound of a settled group or piece
-    std::vector<Cluster> groups;        // groups that CoverWork::narrow() did not settle
-    std::vector<CoverPiece> undecided;  // pieces that single precision did not settle
+    double settled = 0;            // largest upper bound of a settled group or piece
+    std::vector<Cluster> groups;   // groups that Work::narrow() did not settle
+    std::vector<Piece> undecided;  // pieces that single precision did not settle
     Counters counters;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 
 namespace {
 
@@ -19,8 +19,8 @@ constexpr std::size_t most_spare_buffers = 4;
 constexpr std::size_t most_looked_at = 32;  // triangles tried by from_partner() on either side of the middle of a group
 
 // This thread's pool of returned scratch buffers.
-std::vector<std::unique_ptr<CoverBuffers::Covers>>& spare_buffers() {
-    thread_local std::vector<std::unique_ptr<CoverBuffers::Covers>> buffers;
+std::vector<std::unique_ptr<Buffers::Covers>>& spare_buffers() {
+    thread_local std::vector<std::unique_ptr<Buffers::Covers>> buffers;
     return buffers;
 }
 
@@ -31,14 +31,14 @@ constexpr std::size_t most_work_in_float = 48;  // most steps of cover_shared() 
 constexpr std::size_t most_gathered_roughly = 208, most_gathered = 224;
 constexpr int most_halvings = 20;  // after so many, decide() accepts the bound that a piece has
 
-Triangle triangle_of(const CoverInput& scene, Index i) {
+Triangle triangle_of(const Input& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
     return {scene.points.row(v[0]), scene.points.row(v[1]), scene.points.row(v[2])};
 }
 
 }  // namespace
 
-CoverBuffers::CoverBuffers() {
+Buffers::Buffers() {
     auto& spare = spare_buffers();
     if (spare.empty()) {
         covers_ = std::make_unique<Covers>();
@@ -53,15 +53,15 @@ CoverBuffers::CoverBuffers() {
     covers_->exact.distances = covers_->exact.tests = covers_->exact.cuts = 0;
 }
 
-CoverBuffers::~CoverBuffers() {
+Buffers::~Buffers() {
     if (!covers_ || spare_buffers().size() >= most_spare_buffers) return;
     covers_->rough.stack.clear();
     covers_->exact.stack.clear();
     spare_buffers().push_back(std::move(covers_));
 }
 
-void CoverWork::begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped,
-                      const Deadline& deadline) {
+void Work::begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped,
+                 const Deadline& deadline) {
     settled_before_ = settled;
     outcome_.farthest = farthest;
     outcome_.settled = 0;
@@ -72,17 +72,17 @@ void CoverWork::begin(const Farthest& farthest, double settled, std::uint64_t bu
     stop_.reset();
     if (stopped) stop_ = Status::stalled;
     deadline_ = &deadline;
-    batch_ = CoverBatch::most_pieces;
+    batch_ = Batch::most_pieces;
     crowded_ = false;
     set_tau();
 }
 
-CoverOutcome CoverWork::finish() {
+Outcome Work::finish() {
     count();
     return std::move(outcome_);
 }
 
-void CoverWork::set_tau() {
+void Work::set_tau() {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
     const Query& query = scene_.query;
     // A query with floor = cutoff only asks whether h(A,B) is above this value. Its answer needs no tolerance, so tau
@@ -101,7 +101,7 @@ void CoverWork::set_tau() {
         stop_ = Status::stalled;
 }
 
-MeasuredPoint CoverWork::measure(const Vec3& point, Index near, Index source, int level) {
+MeasuredPoint Work::measure(const Vec3& point, Index near, Index source, int level) {
     const ClosestPoint nearest = scene_.target.closest(point, near, outcome_.counters);
     const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
     if (scene_.elements) scene_.elements->offer(measured, source, level);
@@ -113,16 +113,16 @@ MeasuredPoint CoverWork::measure(const Vec3& point, Index near, Index source, in
     return measured;
 }
 
-void CoverWork::look_at_clock() {
+void Work::look_at_clock() {
     if (!stop_ && deadline_->passed()) stop_ = Status::time_limit;
 }
 
-void CoverWork::settle(double upper, Index source) {
+void Work::settle(double upper, Index source) {
     outcome_.settled = std::max(outcome_.settled, upper);
     if (scene_.elements) scene_.elements->settle(upper, source);
 }
 
-void CoverWork::settle(const CoverPiece& piece) {
+void Work::settle(const Piece& piece) {
     settle(piece.upper.value, piece.source);
     if (!scene_.proofs) return;
     CertificateTree& tree = scene_.proofs->tree(piece.proof);
@@ -132,7 +132,7 @@ void CoverWork::settle(const CoverPiece& piece) {
         tree.one(piece.upper.near);
 }
 
-void CoverWork::settle(const Cluster& cluster) {
+void Work::settle(const Cluster& cluster) {
     outcome_.settled = std::max(outcome_.settled, cluster.upper.value);
     if (!scene_.elements && !scene_.proofs) return;
     for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
@@ -144,7 +144,7 @@ void CoverWork::settle(const Cluster& cluster) {
 
 // Computes an upper bound on the distance of a piece to B: the largest distance from a corner to triangle `near` of B.
 // The distance to a triangle is convex, so its largest value over the piece is at a corner.
-CoverWork::CornerBound CoverWork::by_corners(const CoverPiece& piece, Index near) {
+Work::CornerBound Work::by_corners(const Piece& piece, Index near) {
     CornerBound bound;
     for (std::size_t k = 0; k < WATCHED_ELSE("cover: every corner of a piece that one triangle settles", 3U, 1U); ++k) {
         const double squared = scene_.target.squared_distance(piece.corners[k], scene_.target.triangle(near));
@@ -163,7 +163,7 @@ CoverWork::CornerBound CoverWork::by_corners(const CoverPiece& piece, Index near
 
 // Halves a piece at the midpoint of its longest edge, and measures the distance from the midpoint to B. The midpoint
 // becomes the landmark of both halves, which keep the upper bound of the piece.
-std::array<CoverPiece, 2> CoverWork::halve(const CoverPiece& piece) {
+std::array<Piece, 2> Work::halve(const Piece& piece) {
     const std::size_t a = piece.longest_edge(), b = (a + 1) % 3, c = (a + 2) % 3;
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
     const int level = piece.level + WATCHED("cover: a half is one level deeper", 1);
@@ -183,7 +183,7 @@ std::array<CoverPiece, 2> CoverWork::halve(const CoverPiece& piece) {
 
 // Tries to finish one half of a piece with the upper bound from a single triangle of B, the one nearest to its
 // landmark. Returns true if the half needs more work.
-bool CoverWork::is_open(CoverPiece& half) {
+bool Work::is_open(Piece& half) {
     const Index near = half.landmark.near;
     const CornerBound bound = by_corners(half, near);
     half.upper.improve(bound.upper);
@@ -198,7 +198,7 @@ bool CoverWork::is_open(CoverPiece& half) {
 }
 
 // Adds the work counts of cover_ and exact_ to the counters of the outcome, and resets them.
-void CoverWork::count() {
+void Work::count() {
     const auto add = [&](auto& cover) {
         outcome_.counters.point_triangle_distances += cover.distances;
         outcome_.counters.bound_tests += cover.tests;
@@ -218,7 +218,7 @@ void CoverWork::count() {
 // (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be met, and without them
 // the last bits of all answers would change. Below, 8u and 10uM take the place of 5u and 8uM; the difference covers the
 // rounding of both formulas.
-double CoverWork::covered_within(double tau, int level) const {
+double Work::covered_within(double tau, int level) const {
     return std::max(tau * (1 - 8 * unit_roundoff) - (WATCHED("cover: the widening in what a cover may show", 10) +
                                                      WATCHED("cover: halvings in what a cover may show", 2 * level)) *
                                                         unit_roundoff * scene_.magnitude,
@@ -227,7 +227,7 @@ double CoverWork::covered_within(double tau, int level) const {
 
 // Returns an upper bound on the distance to B of any point of the box: the distance of the point `at` to B, plus the
 // distance from `at` to the farthest corner of the box.
-double CoverWork::around(const Vec3& at, double distance, const Box& box) const {
+double Work::around(const Vec3& at, double distance, const Box& box) const {
     return WATCHED_ELSE(
         "cover: the rounding of the distance around a measured point",
         surface_sum_at_most(distance + WATCHED("cover: the way from the landmark to the farthest point of a group",
@@ -240,7 +240,7 @@ double CoverWork::around(const Vec3& at, double distance, const Box& box) const 
 // it at an earlier pose or in the other direction of H. The distance from the corner to the partner is an upper bound
 // on the distance from the corner to B. Starts at the middle of the group, because narrow() sets the partner of the
 // middle triangle. Returns false if it finds no partner.
-bool CoverWork::from_partner(const Cluster& group, const Box& box, Landmark& landmark) {
+bool Work::from_partner(const Cluster& group, const Box& box, Landmark& landmark) {
     if (!scene_.partner) return false;
     const std::size_t middle = group.begin + group.count / 2, end = group.begin + group.count;
     for (std::size_t away = 0; away < most_looked_at; ++away) {
@@ -262,7 +262,7 @@ bool CoverWork::from_partner(const Cluster& group, const Box& box, Landmark& lan
 
 // Returns a corner of a triangle as a landmark that is not measured yet. Chooses the corner for which the farthest
 // point of the box is nearest, because around() adds this distance to the bound.
-Landmark CoverWork::central_corner(Index source, const Box& box) const {
+Landmark Work::central_corner(Index source, const Box& box) const {
     Landmark landmark;
     double least = std::numeric_limits<double>::infinity();
     for (const Index v : scene_.a.triangles.row(source)) {
@@ -277,7 +277,7 @@ Landmark CoverWork::central_corner(Index source, const Box& box) const {
     return landmark;
 }
 
-void CoverWork::narrow(const Cluster& group, const Box& box) {
+void Work::narrow(const Cluster& group, const Box& box) {
     Cluster part = group;
     bool known = group.landmark.near >= 0, seeded = false;
     const auto upper = [&] {
@@ -319,7 +319,7 @@ void CoverWork::narrow(const Cluster& group, const Box& box) {
 
 // Begins to load the vertices of the triangles from this position in the order on, and the corner numbers of later ones.
 // Probably the next clusters have them, and they are scattered in memory.
-void CoverWork::fetch_after(std::size_t begin) {
+void Work::fetch_after(std::size_t begin) {
     constexpr std::size_t ahead = 16;
     const std::size_t count = scene_.order.size();
     for (std::size_t i = begin; i < std::min(begin + ahead, count); ++i) {
@@ -329,7 +329,7 @@ void CoverWork::fetch_after(std::size_t begin) {
     }
 }
 
-void CoverWork::cover(const Cluster& cluster) {
+void Work::cover(const Cluster& cluster) {
     ++outcome_.counters.bound_tests;
     look_at_clock();
     if (cluster.upper.value <= tau_ || stop_) return settle(cluster);
@@ -352,26 +352,26 @@ void CoverWork::cover(const Cluster& cluster) {
         if (gathered_ > most_gathered_roughly)
             batch_ = std::max(count / 2, std::size_t{1});
         else if (gathered_ < most_gathered_roughly / 3)
-            batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
+            batch_ = std::min(2 * batch_, Batch::most_pieces);
     }
     // The nearest triangles of B were not enough for some pieces. Try these again, one by one, with all triangles of B
     // within tau.
-    std::vector<CoverPiece> again;
+    std::vector<Piece> again;
     again.swap(again_);
-    for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
+    for (const Piece& piece : again) cover(std::span(&piece, 1), piece.landmark);
     count();
 }
 
-void CoverWork::cover(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+void Work::cover(std::span<const Piece> pieces, const Landmark& landmark) {
     if (stop_) {
-        for (const CoverPiece& piece : pieces) settle(piece);
+        for (const Piece& piece : pieces) settle(piece);
         return;
     }
     crowded_ = !cover_together(pieces, landmark, pieces.size() == 1);
     if (!crowded_) return;
     if (pieces.size() == 1) {
-        for (CoverPiece& half : halve(pieces[0])) {
-            if (is_open(half)) cover(std::span<const CoverPiece>(&half, 1), half.landmark);
+        for (Piece& half : halve(pieces[0])) {
+            if (is_open(half)) cover(std::span<const Piece>(&half, 1), half.landmark);
         }
         return;
     }
@@ -383,20 +383,20 @@ void CoverWork::cover(std::span<const CoverPiece> pieces, const Landmark& landma
 // Like cover() above, but for pieces with too many triangles of B near them: measures a corner of one of the pieces
 // first, as a new landmark. Far from B this finishes most pieces, because the triangle of B nearest to the landmark is
 // then hardly farther from a piece than the rest of B.
-void CoverWork::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
-    const CoverPiece& middle = pieces[pieces.size() / 2];
+void Work::cover_from_own(std::span<const Piece> pieces, const Landmark& landmark) {
+    const Piece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
     const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
     double radius = 0;
-    for (const CoverPiece& piece : pieces)
+    for (const Piece& piece : pieces)
         radius = std::max(radius, WATCHED_ELSE("cover: pieces that reach farther than the middle one", piece, middle)
                                       .farthest_corner(m.point));
     const KnownUpper upper{
         WATCHED_ELSE("cover: the rounding of a distance that neighbours share",
                      surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.distance + radius),
         own.near, own.vertex};
-    std::vector<CoverPiece> open;
-    for (CoverPiece piece : pieces) {
+    std::vector<Piece> open;
+    for (Piece piece : pieces) {
         piece.upper.improve(upper);
         if (piece.upper.value > tau_ && !stop_)
             piece.upper.improve(WATCHED_ELSE(
@@ -412,9 +412,9 @@ void CoverWork::cover_from_own(std::span<const CoverPiece> pieces, const Landmar
 
 // Gathers the triangles of B near the pieces, and tries to show with them that each piece is within tau of B. Returns
 // false, without trying, if there are too many. A piece for which this fails goes to `again_` if a larger radius may
-// help, and otherwise to CoverOutcome::undecided. `all_near`: use the largest useful radius at once.
-bool CoverWork::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
-    const CoverBatch batch(pieces, scene_.magnitude);
+// help, and otherwise to Outcome::undecided. `all_near`: use the largest useful radius at once.
+bool Work::cover_together(std::span<const Piece> pieces, const Landmark& landmark, bool all_near) {
+    const Batch batch(pieces, scene_.magnitude);
     // A triangle of B farther than `all` from the batch is not needed: it is farther than tau, or every point of the
     // batch has a nearer triangle. But if tau is large, most of B may be within `all`. So the first try uses only
     // triangles that are not much farther from the batch than B is from the landmark.
@@ -439,13 +439,13 @@ bool CoverWork::cover_together(std::span<const CoverPiece> pieces, const Landmar
     // would be nothing but its errors, so a triangle of B that equals the piece is looked for.
     const bool all_on_b = outcome_.farthest.point.squared <= scene_.least_gap * scene_.least_gap;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const CoverPiece& piece = pieces[i];
+        const Piece& piece = pieces[i];
         const std::array<std::size_t, 3>& points = batch.of_piece[i];
         CoverResult result;
         if (any) {
             cover_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
             if (WATCHED("cover: a piece that is a triangle of B", all_on_b && is_of_b(piece, points))) continue;
-            CoverPolygon<float> polygon;
+            Polygon<float> polygon;
             for (const std::size_t k : points) polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
             result = cover_shared(cover_, polygon, points, most_work_in_float);
             if (WATCHED("cover: pieces that single precision cannot tell are tried with one triangle",
@@ -466,14 +466,14 @@ bool CoverWork::cover_together(std::span<const CoverPiece> pieces, const Landmar
 // Settles the piece if a triangle of B has its corners, so that its distance is 0; otherwise returns false. Looks among the
 // triangles within the threshold of all corners first, then of any corner, because the errors of single precision may be nearly
 // as large as the threshold. `points`: as in cover_shared().
-bool CoverWork::is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
+bool Work::is_of_b(const Piece& piece, const std::array<std::size_t, 3>& points) {
     const NearSet &p = cover_.within[points[0]], &q = cover_.within[points[1]], &r = cover_.within[points[2]];
     return is_one_of(piece, p & q & r) ||
            WATCHED("cover: a triangle of B that single precision finds at one corner only",
                    is_one_of(piece, p | q | r));
 }
 
-bool CoverWork::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
+bool Work::is_one_of(const Piece& piece, const NearSet& triangles) {
     Index equal = -1;
     triangles.for_each([&](std::size_t k) {
         const Triangle t = scene_.target.triangle(cover_.near.triangle[k]);
@@ -482,7 +482,7 @@ bool CoverWork::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
             equal = cover_.near.triangle[k];
     });
     if (equal < 0) return false;
-    CoverPiece settled = piece;
+    Piece settled = piece;
     settled.upper.improve({surface_distance_at_most(0, scene_.magnitude, piece.level), equal, -1});
     settle(settled);
     return true;
@@ -491,10 +491,10 @@ bool CoverWork::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
 // Tries one triangle of B in double precision, the one that seems nearest to the piece. Settles the piece if it is within tau
 // of this triangle; otherwise returns false. If the threshold is below the errors of single precision, and A nearly equal
 // to B, this settles most pieces. `points`: as in cover_shared().
-bool CoverWork::covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
+bool Work::covered_in_double(const Piece& piece, const std::array<std::size_t, 3>& points) {
     const std::size_t k = may_cover(cover_, points);
     if (k == no_triangle) return false;
-    CoverPiece covered = piece;
+    Piece covered = piece;
     covered.upper.improve(by_corners(piece, cover_.near.triangle[k]).upper);
     if (WATCHED("cover: a piece that one triangle covers in double precision is within tau",
                 covered.upper.value > tau_))
@@ -503,7 +503,7 @@ bool CoverWork::covered_in_double(const CoverPiece& piece, const std::array<std:
     return true;
 }
 
-Index CoverWork::measure(const double (&point)[3], double slack, Index near) {
+Index Work::measure(const double (&point)[3], double slack, Index near) {
     const LocalUnits& place = exact_.near.units;
     Vec3 global;
     for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
@@ -524,7 +524,7 @@ Index CoverWork::measure(const double (&point)[3], double slack, Index near) {
 // Returns covered_within() in local units, or more if this is too close to the lower bound. The distance of a measured
 // point to its nearest triangle must be within the threshold even with rounding errors added. Otherwise the polygon
 // there would have to be accepted with a bound above the threshold.
-double CoverWork::threshold() const {
+double Work::threshold() const {
     const double covered = covered_within(tau_, level_) * exact_.near.units.inverse;
     if (within_floor_) return covered;
     double error = 0;
@@ -536,12 +536,12 @@ double CoverWork::threshold() const {
         covered, low * exact_.near.units.inverse + WATCHED("cover: the errors of frames in the threshold", 4 * error));
 }
 
-bool CoverWork::promising(double distance) const {
+bool Work::promising(double distance) const {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) * exact_.near.units.inverse;
     return distance > low + 0.2 * std::max(exact_.threshold - low, 0.0);
 }
 
-bool CoverWork::go_on() {
+bool Work::go_on() {
     if (stop_) return false;
     count();
     if (outcome_.counters.subdivisions >= budget_) stop_ = Status::budget;
@@ -549,12 +549,12 @@ bool CoverWork::go_on() {
     return !stop_;
 }
 
-void CoverWork::decide(const CoverPiece& piece) {
+void Work::decide(const Piece& piece) {
     ++outcome_.counters.bound_tests;
     if (piece.upper.value <= tau_ || stop_) return settle(piece);
     // Start with a corner: measuring it may raise the lower bound and tau, and the triangle of B nearest to it may be
     // near the whole piece.
-    CoverPiece measured = piece;
+    Piece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source,
                                     WATCHED("cover: halvings of a piece whose corner is measured", piece.level));
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
@@ -563,14 +563,14 @@ void CoverWork::decide(const CoverPiece& piece) {
     if (decide_whole(measured)) return;
     // Too many triangles of B are near, so halve the piece.
     if (piece.level >= most_halvings) return settle(measured);
-    for (CoverPiece& half : halve(measured)) {
+    for (Piece& half : halve(measured)) {
         if (is_open(half)) decide(half);
     }
 }
 
 // Computes an upper bound on the distance of a piece to B and finishes the piece. Returns false, without finishing it,
 // if so many triangles of B are near that the piece should be halved.
-bool CoverWork::decide_whole(const CoverPiece& piece) {
+bool Work::decide_whole(const Piece& piece) {
     Box box;
     for (const Vec3& corner : piece.corners) box.add(corner);
     LocalUnits place;
@@ -580,7 +580,7 @@ bool CoverWork::decide_whole(const CoverPiece& piece) {
     const double far = piece.landmark.distance + std::sqrt(squared_length(centre - piece.landmark.at));
     source_ = piece.source;
     level_ = piece.level;
-    CoverPolygon<double> polygon;
+    Polygon<double> polygon;
     for (const Vec3& corner : piece.corners) {
         const Vec3 local = (corner - centre) * place.inverse;
         polygon.add(local[0], local[1], local[2], 0);
@@ -613,4 +613,4 @@ bool CoverWork::decide_whole(const CoverPiece& piece) {
     return true;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

@@ -17,20 +17,20 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::cover {
 
-// Scratch buffers of a CoverWork, a few hundred kB. They come from a pool of this thread and return to it, because
+// Scratch buffers of a Work, a few hundred kB. They come from a pool of this thread and return to it, because
 // allocating them would take longer than a search in small meshes.
-class CoverBuffers {
+class Buffers {
 public:
     struct Covers {
         OffsetCover<float> rough;
         OffsetCover<double> exact;
     };
 
-    CoverBuffers();
-    ~CoverBuffers();
-    CoverBuffers(CoverBuffers&&) = default;
+    Buffers();
+    ~Buffers();
+    Buffers(Buffers&&) = default;
 
     Covers& operator*() const { return *covers_; }
 
@@ -38,10 +38,10 @@ private:
     std::unique_ptr<Covers> covers_;
 };
 
-class CoverWork final : CoverHost {
+class Work final : Host {
 public:
-    explicit CoverWork(const CoverInput& scene) : scene_(scene) {}
-    CoverWork(CoverWork&&) = default;
+    explicit Work(const Input& scene) : scene_(scene) {}
+    Work(Work&&) = default;
 
     // Starts a new part. `farthest` gives the lower bound, `settled` is the largest upper bound accepted so far, and
     // `budget` is the number of cuts left. If `stopped`, the search has already ended, and everything in the part is
@@ -50,28 +50,28 @@ public:
 
     // Computes an upper bound on the distance of a group of triangles to B: the distance of its landmark (a point) plus
     // the distance from there to the farthest point of `box`. Measures a new landmark if that may help. Finishes the
-    // group if the bound is at most tau. Otherwise adds it to CoverOutcome::groups.
+    // group if the bound is at most tau. Otherwise adds it to Outcome::groups.
     void narrow(const Cluster& group, const Box& box);
 
     // Tries to show in single precision that the triangles of a cluster are within tau of B. Adds those for which this
-    // fails, or parts of them, to CoverOutcome::undecided.
+    // fails, or parts of them, to Outcome::undecided.
     void cover(const Cluster& cluster);
 
-    // Like cover() above, but for up to CoverBatch::most_pieces pieces around a landmark. Several pieces must be whole
+    // Like cover() above, but for up to Batch::most_pieces pieces around a landmark. Several pieces must be whole
     // triangles of A, and some of them may go to `again_`, for cover(cluster) to try again. Public for tests.
-    void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
+    void cover(std::span<const Piece> pieces, const Landmark& landmark);
 
     // Computes an upper bound on the distance of a piece to B in double precision, and finishes the piece even if the
     // bound is larger than tau.
-    void decide(const CoverPiece& piece);
+    void decide(const Piece& piece);
 
-    CoverOutcome finish();
+    Outcome finish();
 
     // If the search should stop, returns why: out of time, over budget, or distance above the cutoff.
     std::optional<Status> stopped() const { return stop_; }
 
 private:
-    // Implements CoverHost for the piece that decide() is working on.
+    // Implements Host for the piece that decide() is working on.
     Index measure(const double (&point)[3], double slack, Index near) override;
     double threshold() const override;
     bool promising(double distance) const override;
@@ -90,33 +90,33 @@ private:
         double squared = 0;        // largest squared distance of a corner to the triangle, as computed
         std::size_t farthest = 0;  // the corner with this distance
     };
-    CornerBound by_corners(const CoverPiece& piece, Index near);
+    CornerBound by_corners(const Piece& piece, Index near);
     void settle(double upper, Index source);
-    void settle(const CoverPiece& piece);
+    void settle(const Piece& piece);
     void settle(const Cluster& cluster);
-    std::array<CoverPiece, 2> halve(const CoverPiece& piece);
-    bool is_open(CoverPiece& half);
+    std::array<Piece, 2> halve(const Piece& piece);
+    bool is_open(Piece& half);
 
     void fetch_after(std::size_t begin);
-    bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
-    bool is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points);
-    bool is_one_of(const CoverPiece& piece, const NearSet& triangles);
-    bool covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points);
-    void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
-    bool decide_whole(const CoverPiece& piece);
+    bool cover_together(std::span<const Piece> pieces, const Landmark& landmark, bool all_near);
+    bool is_of_b(const Piece& piece, const std::array<std::size_t, 3>& points);
+    bool is_one_of(const Piece& piece, const NearSet& triangles);
+    bool covered_in_double(const Piece& piece, const std::array<std::size_t, 3>& points);
+    void cover_from_own(std::span<const Piece> pieces, const Landmark& landmark);
+    bool decide_whole(const Piece& piece);
     void count();
 
-    CoverInput scene_;
+    Input scene_;
     const Deadline* deadline_ = nullptr;
-    CoverOutcome outcome_;
+    Outcome outcome_;
     double tau_ = 0, settled_before_ = 0;
     bool within_floor_ = false;  // whether h(A,B) may still be proven to be at most the floor, which is the cutoff
     std::uint64_t budget_ = 0;
     std::optional<Status> stop_;
-    CoverBuffers buffers_;
+    Buffers buffers_;
     OffsetCover<float>& cover_ = (*buffers_).rough;
     OffsetCover<double>& exact_ = (*buffers_).exact;
-    std::vector<CoverPiece> pieces_, again_;
+    std::vector<Piece> pieces_, again_;
     std::size_t batch_ = 0;     // number of pieces to cover together next
     std::size_t gathered_ = 0;  // largest number of triangles of B gathered for a part of the last batch
     bool crowded_ = false;      // whether the last gathering found more triangles of B than can be used
@@ -124,4 +124,4 @@ private:
     int level_ = 0;             // the level of this piece
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::cover

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <array>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 using CornerValues = std::array<double, 3>;
 
@@ -83,4 +83,4 @@ inline double share_above(const CornerValues& values, double least) {
     return PositivePart({values[0] - least, values[1] - least, values[2] - least}).share();
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 // A change by less than this part of an edge is not worth a cut.
@@ -129,4 +129,4 @@ Parts cut_at_change(const Piece& piece, std::span<const NearbyTriangle> near, st
     return {};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <span>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // Cuts the longest edge in the middle.
 std::array<Piece, 2> halves(const Piece& piece);
@@ -28,4 +28,4 @@ struct Parts {
 Parts cut_at_change(const Piece& piece, std::span<const NearbyTriangle> near, std::span<const std::uint16_t> kept,
                     std::span<const CornerValues> squares, double magnitude);
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

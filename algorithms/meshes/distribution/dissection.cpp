@@ -11,7 +11,7 @@
 #include <memory>
 #include <utility>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 constexpr std::size_t most_near = 224;  // triangles of B near a piece; with more, the piece is halved
@@ -344,4 +344,4 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
     return true;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

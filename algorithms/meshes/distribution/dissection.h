@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // A piece with its bounds.
 struct Leaf {
@@ -115,4 +115,4 @@ private:
     Counters counters_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 // A point set with the vertices of a mesh: a triangle (i, i, i) for each vertex that belongs to a triangle.
@@ -107,7 +107,7 @@ private:
 
 }  // namespace
 
-SolverEntry distribution_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "distribution";
     info.title = "distribution (ours)";
@@ -119,4 +119,4 @@ SolverEntry distribution_solver() {
     return {info, make_solver<Distribution>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -35,7 +35,7 @@
 #include <limits>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 // Returns v times a bit less than 1 / |v|, so that the length is at most 1; the zero vector if v is too short.
@@ -424,4 +424,4 @@ void MeanBounder::curved(const Piece& piece, std::span<const NearbyTriangle> nea
                  mean + truncated + off + WATCHED("distribution: distances past an end", beyond * beyond / least));
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // A triangle of A or a part of it.
 struct Piece {
@@ -90,4 +90,4 @@ private:
 // Fills in the bounds on means that follow from the affine bounds.
 void bound_means(AffineBounds& bounds);
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

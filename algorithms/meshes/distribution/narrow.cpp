@@ -12,7 +12,7 @@
 #include <cmath>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 using Kind = Statistic::Kind;
@@ -398,4 +398,4 @@ Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, co
     return Narrowing(source, target, magnitude, query, trace).run();
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // The elements of one shape, and the other shape. Keeps references.
 struct OneWay {
@@ -34,4 +34,4 @@ Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, co
 // Combines the bounds of a statistic over A and over B. Every result holds under rounding.
 Bounds combined(Statistic::Over over, const Bounds& source, const Bounds& target);
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // Returns whether x - y is a double: whether the rounding error of the subtraction (Knuth) is 0.
 inline bool is_exact_difference(double x, double y) {
@@ -41,4 +41,4 @@ inline Bounds point_distance(const Vec3& a, const Vec3& b) {
             above < 0 ? WATCHED_ELSE("distribution: a root below the distance", next_up(root), root) : root};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

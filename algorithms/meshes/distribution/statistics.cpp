@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::distribution {
 namespace {
 
 constexpr double down = 1 - 0x1p-40, up = 1 + 0x1p-40;
@@ -203,4 +203,4 @@ double Statistics::open(const Statistic& statistic, const Bounds& band) const {
     return 0;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

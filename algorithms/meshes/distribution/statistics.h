@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // The statistics of the leaves of one dissection, or of several together: each leaf counts with its weight. Every
 // result holds under rounding.
@@ -54,4 +54,4 @@ private:
     Bounds mean_, square_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

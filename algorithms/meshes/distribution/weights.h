@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::distribution {
 
 // The area of a triangle lies between value * (1 - area_error) and value * (1 + area_error) + extra. `extra` is not
 // negligible only for triangles that are nearly a segment.
@@ -65,4 +65,4 @@ private:
     double sum_ = 0, lost_ = 0;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::distribution

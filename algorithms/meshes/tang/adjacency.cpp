@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 Adjacency::Adjacency(const TriangleMesh& mesh) {
     // A side of a triangle, from corner k to corner k + 1 (mod 3).
@@ -56,4 +56,4 @@ std::size_t Adjacency::bytes() const {
            triangles_.capacity() * sizeof(Index);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // The edges of a mesh and the triangles at each edge. Edges are compared by vertex index, so triangles that touch only
 // at duplicated vertices share no edge. An edge may have one, two or more triangles; a triangle with the vertices (i,
@@ -45,4 +45,4 @@ private:
     std::vector<Index> triangles_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

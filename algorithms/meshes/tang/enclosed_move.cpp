@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 namespace {
 
@@ -163,4 +163,4 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
 template class EnclosedMove<SweptSphereBvh>;
 template class EnclosedMove<TriangleBvh>;
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

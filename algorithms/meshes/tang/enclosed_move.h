@@ -38,7 +38,7 @@
 #include "algorithms/meshes/tang/volumes.h"
 #include "algorithms/search/piece_bounds.h"
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // Returns whether every edge belongs to an even number of triangles. Edges are compared by vertex index, as in
 // Adjacency.
@@ -71,4 +71,4 @@ private:
     Counters& counters_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

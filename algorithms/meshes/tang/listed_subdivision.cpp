@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 template <class Tree> void ListedSubdivision<Tree>::push(const ListedPiece& piece) {
     if (settle(piece)) return;
@@ -73,4 +73,4 @@ template <class Tree> void ListedSubdivision<Tree>::split(ListedPiece piece) {
 template class ListedSubdivision<SweptSphereBvh>;
 template class ListedSubdivision<TriangleBvh>;
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

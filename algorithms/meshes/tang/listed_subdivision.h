@@ -9,7 +9,7 @@
 #include "algorithms/meshes/tang/voronoi_cut.h"
 #include "algorithms/search/queue.h"
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // The queue of pieces, and the loop that cuts them. `Tree` is the type of the BVH of B.
 template <class Tree> class ListedSubdivision {
@@ -60,4 +60,4 @@ private:
     int deepest_ = 0;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -4,7 +4,7 @@
 #include "algorithms/kernel/counters.h"
 #include "algorithms/meshes/tang/volumes.h"
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // Calls leaf(number) for every leaf whose bounding volume may be within `radius` of `centre`. Walks depth first, and to
 // the nearest child of each node first. leaf() may lower the variable that `radius` refers to, which shortens the walk;
@@ -41,4 +41,4 @@ void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& radiu
     }
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

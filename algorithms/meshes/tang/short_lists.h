@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // Lists of up to `most` numbers each. Lengths are rounded up to a multiple of 4, and the space of a released list is
 // reused for a list of the same rounded length. All lists together must occupy less than 2^32 numbers.
@@ -52,4 +52,4 @@ private:
     std::array<std::vector<std::uint32_t>, (most + step - 1) / step> free_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // Bounds the root by the largest distance from a vertex of A to a single point of B, the one closest to the first
 // vertex.
@@ -110,4 +110,4 @@ template <class Tree> void SourceCulling<Tree>::settle_below(std::int32_t child,
 template class SourceCulling<SweptSphereBvh>;
 template class SourceCulling<TriangleBvh>;
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

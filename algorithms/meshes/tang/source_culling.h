@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // Walks a BVH of A and culls the nodes that cannot contain the point farthest from B. The BVH is over A before its
 // motion, and `pose` moves the bounding volumes. `Tree` is SweptSphereBvh or TriangleBvh.
@@ -82,4 +82,4 @@ private:
     std::vector<Branch> branches_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

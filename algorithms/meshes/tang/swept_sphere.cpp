@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::tang {
 namespace {
 
 // In this file, u and v are the sides of the rectangle, so the unit roundoff 2^-53 is called eps.
@@ -191,4 +191,4 @@ void SweptSphereBvh::fill(std::size_t node, std::vector<Vec3>& below) {
     }
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -5,12 +5,15 @@
 // 2009.
 #pragma once
 
+#include "algorithms/kernel/rounding.h"
 #include "algorithms/structures/bvh.h"
 
 #include <span>
 #include <string_view>
 
-namespace hausbench {
+namespace hausbench::tang {
+
+using hausbench::distance_at_least, hausbench::distance_at_most;  // overloaded here
 
 // All points within `radius` of the rectangle centre + s u + t v, where |s| <= 1 and |t| <= 1. u and v are orthogonal
 // up to rounding. If v = 0, the rectangle is a segment; if also u = 0, it is a point.
@@ -51,4 +54,4 @@ private:
     std::vector<SweptSphere> volumes_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

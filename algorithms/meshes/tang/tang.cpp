@@ -51,11 +51,11 @@
 #include <utility>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 namespace {
 
-// The values of the solver's parameters; see tang_solver().
-struct TangChoices {
+// The values of the solver's parameters; see tang::solver().
+struct Choices {
     Cutting cutting = Cutting::voronoi;
     bool group = true;
     double least_part = 0.05;
@@ -63,10 +63,10 @@ struct TangChoices {
 };
 
 // The search of one query.
-template <class Tree> class TangSearch {
+template <class Tree> class Search {
 public:
-    TangSearch(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
-               Trace& trace, const TangChoices& choices, bool closed)
+    Search(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
+           Trace& trace, const Choices& choices, bool closed)
         : a_(pair.source),
           points_(pair.points),
           target_(pair.target),
@@ -128,7 +128,7 @@ private:
     std::uint64_t left_ = 0;  // number of triangles of A that were left for culling on B
 };
 
-template <class Tree> void TangSearch<Tree>::report(Result& result) const {
+template <class Tree> void Search<Tree>::report(Result& result) const {
     result.reported = stages_.seconds();
     const auto n = static_cast<double>(a_.triangles.rows()), m = static_cast<double>(target_.mesh().triangles.rows()),
                left = static_cast<double>(left_);
@@ -139,7 +139,7 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
 
 // Computes an upper bound for every triangle of A, and queues the triangles that are not culled on A or on B. Returns a
 // status if the search ends before all triangles have a bound.
-template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
+template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
         if (bounds_.out_of_time()) return Status::time_limit;
@@ -155,7 +155,7 @@ template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
 }
 
 // Returns triangle i of A as an uncut piece, with the corner distances that were computed for earlier triangles.
-template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
+template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
     ListedPiece piece;
     piece.source = i;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -168,7 +168,7 @@ template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
 
 // Computes an upper bound for triangle i of A, first from triangles of B that are probably near, then by culling on B.
 // Queues the triangle if its bound is still too large.
-template <class Tree> void TangSearch<Tree>::look_into(Index i) {
+template <class Tree> void Search<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
     if (last_ >= 0) on_b_.bound_by(piece, last_);
@@ -193,7 +193,7 @@ template <class Tree> void TangSearch<Tree>::look_into(Index i) {
 }
 
 // Starts with the farthest point of the previous pose. It is probably far from B again, so the lower bound starts high.
-template <class Tree> void TangSearch<Tree>::begin_warm() {
+template <class Tree> void Search<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
     if (last.source < 0) return;
@@ -207,7 +207,7 @@ template <class Tree> void TangSearch<Tree>::begin_warm() {
     }
 }
 
-template <class Tree> Result TangSearch<Tree>::search() {
+template <class Tree> Result Search<Tree>::search() {
     if (warm_start_) begin_warm();
     const std::optional<Status> stopped = cull_on_a();
     stages_.end("cull on A");
@@ -221,7 +221,7 @@ template <class Tree> Result TangSearch<Tree>::search() {
 
 template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
-    explicit Tang(const TangChoices& choices) : choices_(choices) {}
+    explicit Tang(const Choices& choices) : choices_(choices) {}
 
     // Requires both trees even for small shapes, unlike other mesh solvers, because culling works on tree nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
@@ -239,26 +239,26 @@ public:
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return TangSearch<Tree>(pair, *a_tree_, *this->tree(), query, static_cast<WarmStart*>(state), trace, choices_,
-                                closed_)
+        return Search<Tree>(pair, *a_tree_, *this->tree(), query, static_cast<WarmStart*>(state), trace, choices_,
+                            closed_)
             .run();
     }
 
-    TangChoices choices_;
+    Choices choices_;
     const Tree* a_tree_ = nullptr;
     bool closed_ = false;  // whether B is closed, if lemma4 is on
 };
 
 std::unique_ptr<Solver> make(const Options& options) {
-    const TangChoices choices{cutting_of(options), options.flag("group"), options.real("least_part"),
-                              options.flag("lemma4")};
+    const Choices choices{cutting_of(options), options.flag("group"), options.real("least_part"),
+                          options.flag("lemma4")};
     if (options.text("volumes") == "boxes") return std::make_unique<Tang<TriangleBvh>>(choices);
     return std::make_unique<Tang<SweptSphereBvh>>(choices);
 }
 
 }  // namespace
 
-SolverEntry tang_solver() {
+SolverEntry solver() {
     SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang 2009", "tang2009");
     info.abilities.insert({Ability::warm, Ability::shared_pairs});
     info.may_need = {need<SweptSphereBvh>(Side::source), need<SweptSphereBvh>(Side::target),
@@ -282,4 +282,4 @@ SolverEntry tang_solver() {
     return {info, make};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -7,7 +7,7 @@
 #include <bit>
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 template <class Tree> void TargetCulling<Tree>::bound_by(ListedPiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
@@ -195,4 +195,4 @@ ListedPiece TargetCulling<Tree>::part(const ListedPiece& piece, const Cut<Measur
 template class TargetCulling<SweptSphereBvh>;
 template class TargetCulling<TriangleBvh>;
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

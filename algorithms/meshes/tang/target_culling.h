@@ -34,7 +34,7 @@
 #include <limits>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // The largest number of triangles of B in a list, and the largest number of candidates from which a list is chosen.
 inline constexpr std::size_t most_listed = 32, most_near = 128;
@@ -128,4 +128,4 @@ private:
     std::uint64_t measured_ = 0;      // see measured()
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

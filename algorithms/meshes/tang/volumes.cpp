@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // The distance from q is convex, so within the hull of the corners it is largest at a corner, where distance_at_most()
 // of kernel/rounding.h bounds it. Adding the radius rounds by up to half an ulp, which next_up absorbs.
@@ -130,4 +130,4 @@ CornerVolume VolumePose::operator()(const CornerVolume& volume) const {
     return result;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstddef>
 
-namespace hausbench {
+namespace hausbench::tang {
+
+using hausbench::distance_at_least, hausbench::distance_at_most;  // overloaded here
 
 // A volume of either kind: all points within `radius` of the convex hull of its corners. A swept sphere has four
 // corners, a box eight.
@@ -47,4 +49,4 @@ private:
     double rows_ = 1;     // the largest sum of absolute values in a row of R
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

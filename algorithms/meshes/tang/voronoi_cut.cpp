@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::tang {
 
 // The points equally far from the planes of both triangles form two planes, which bisect the angles between them. Cuts
 // the edge with the bisecting plane that separates the triangles, judging by their centres.
@@ -33,4 +33,4 @@ int PieceCutter::level_of_parts(const PieceCorners& corners, int level, int dept
     return level + level_of_point_of_edge(longest, magnitude_);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

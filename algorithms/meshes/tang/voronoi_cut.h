@@ -19,7 +19,7 @@
 #include "algorithms/search/cut_options.h"
 #include "algorithms/search/piece_bounds.h"
 
-namespace hausbench {
+namespace hausbench::tang {
 
 inline constexpr int voronoi_depth = 16;
 
@@ -74,4 +74,4 @@ private:
     double least_part_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::tang

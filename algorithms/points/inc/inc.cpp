@@ -21,7 +21,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::inc {
 namespace {
 
 // Identifies a node or a point of an R-tree. A node has its index in RTree::nodes(). A point has the negative number
@@ -52,10 +52,9 @@ struct Entry {
     }
 };
 
-class IncSearch {
+class Search {
 public:
-    IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
-              Trace& trace)
+    Search(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query, Trace& trace)
         : source_(source),
           target_(target),
           a_(a),
@@ -224,7 +223,7 @@ public:
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return IncSearch(*source_, *target_, a, b, query, trace).run();
+        return Search(*source_, *target_, a, b, query, trace).run();
     }
 
 private:
@@ -234,11 +233,11 @@ private:
 
 }  // namespace
 
-SolverEntry inc_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("inc", "INC", "nutanong2011");
     info.certified = true;
     info.may_need = {need<RTree>(Side::source), need<RTree>(Side::target)};
     return {info, make_solver<Inc>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::inc

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace hausbench {
+namespace hausbench::inc {
 namespace {
 
 // Sorts items so that each group of `capacity` successive items, called a tile, is close together in space and can
@@ -80,4 +80,4 @@ std::size_t RTree::bytes() const {
            static_cast<std::size_t>(points_.size()) * sizeof(double);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::inc

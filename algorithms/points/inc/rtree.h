@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::inc {
 
 class RTree {
 public:
@@ -42,4 +42,4 @@ private:
     Points points_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::inc

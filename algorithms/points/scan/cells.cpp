@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 using Cell = PointCells::Cell;
@@ -168,4 +168,4 @@ void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a
     });
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // The results for a block of points of A. Each block has its own results, so that threads can search several blocks at
 // the same time.
@@ -35,4 +35,4 @@ void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a
 void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a, Index begin, Index end,
                   const Points& b, CellFindings& findings);
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 constexpr std::uint64_t most_a_row = 48;  // points of B compared per row of A, on average, above which a tree is faster
@@ -17,7 +17,7 @@ constexpr std::uint64_t most_a_row = 48;  // points of B compared per row of A, 
 // Step 4 of scan.cpp: returns the rows of B that may be closest to an undecided point of A. They lie in grid cells
 // within the distance from that point to a known point of B. Returns nothing if there are so many of these cells that
 // this is not worth the time.
-std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
+std::optional<std::vector<Index>> near_undecided(const Work& work, const std::vector<Undecided>& undecided,
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
     std::size_t cells = 0;
@@ -41,9 +41,9 @@ void take(const CellFindings& found, ScanState& state) {
 // Calls search_cells() for the given rows of A (all if null), in rounds of 64 blocks. Each block starts from the
 // largest distance known before its round, so the result does not depend on the threads. Appends rows whose search was
 // given up to `open`. Returns `converged`, or the reason if it had to stop early.
-Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
+Status search_blocks(const Work& work, const std::vector<Index>* rows, const PointCells& cells,
                      std::vector<Index>& open, ScanState& state) {
-    constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two checks of the clock
+    constexpr std::size_t size = Work::block_rows, at_once = 64;  // blocks between two checks of the clock
     const std::size_t count = rows ? rows->size() : static_cast<std::size_t>(work.a.rows());
     for (std::size_t begin = 0; begin < count; begin += size * at_once) {
         if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
@@ -69,8 +69,8 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
 // Step 5 of scan.cpp: puts the rows `near` of B (all if null) into small cells, and searches them for the given rows of
 // A (all if null). Appends rows whose search was given up to `open`. Returns nothing if a tree would be faster,
 // according to a sample; all rows are then still to be searched.
-std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
-                                      const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
+std::optional<Status> search_in_cells(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near,
+                                      std::vector<Index>& open, ScanState& state) {
     // Chooses the edge of the cells. An occupied cell of the grid contains `crowd` points on average. If the points lie
     // on a surface, a cell whose edge is shorter by a factor of sqrt(crowd / 2) contains about two. A longer edge is
     // used if the largest distance d so far allows it: with the edge d / 1.75, a cell has the diagonal (sqrt(3) / 1.75)
@@ -96,7 +96,7 @@ std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<In
 // Compares the given rows of A (all if null) with the rows `near` of B (all if null), pair by pair. Goes on to the next
 // row of A as soon as a point of B is within the largest distance so far. Builds no structure, so it is fastest for few
 // pairs.
-Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
+Status compare(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     const Points &a = work.a, &b = work.b;
     const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
     const auto those = rows ? static_cast<Index>(rows->size()) : static_cast<Index>(a.rows());
@@ -120,7 +120,7 @@ Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::
 }
 
 // Step 6 of scan.cpp: finds the nearest point of B for each point in the given leaves of A.
-Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
+Status search(const Work& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
     constexpr std::size_t chunk = 64;  // leaves between two checks of the clock
     if (leaves.size() > chunk) search_samples(blocks, leaves, state);
     for (std::size_t begin = 0; begin < leaves.size(); begin += chunk) {
@@ -133,8 +133,7 @@ Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const Poi
 // Finds the largest distance from the given rows of A (all if null) to B. Their closest points must be among the rows
 // `near` of B (all if null). Uses small cells if there are at least `cells_from` pairs of these rows. For the rows that
 // remain, uses a tree if there are at least `tree_from` pairs, and plain comparisons otherwise.
-Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
-                   ScanState& state) {
+Status search_near(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
     const auto count = static_cast<double>(near ? near->size() : static_cast<std::size_t>(work.b.rows()));
     const auto pairs = [&] {
@@ -153,7 +152,7 @@ Status search_near(const ScanWork& work, const std::vector<Index>* rows, const s
 
 }  // namespace
 
-Status ScanWork::stop(const ScanState& state) const {
+Status Work::stop(const ScanState& state) const {
     if (state.counters.closest_point_queries >= query.budget) return Status::budget;
     if (distance_at_least(std::max(state.farthest.squared, 0.0), true) > query.cutoff) return Status::above_cutoff;
     return deadline.passed() ? Status::time_limit : Status::converged;
@@ -169,9 +168,9 @@ std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows) {
     return some;
 }
 
-Status search_all(const ScanWork& work, ScanState& state) { return search_near(work, nullptr, nullptr, state); }
+Status search_all(const Work& work, ScanState& state) { return search_near(work, nullptr, nullptr, state); }
 
-Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state) {
+Status search_undecided(const Work& work, const std::vector<Undecided>& undecided, ScanState& state) {
     if (undecided.empty()) return Status::converged;
     std::vector<Index> rows;
     for (const Undecided& one : undecided) rows.push_back(one.row);
@@ -180,4 +179,4 @@ Status search_undecided(const ScanWork& work, const std::vector<Undecided>& unde
     return search_near(work, &rows, near ? &*near : nullptr, state);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -9,10 +9,10 @@
 
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // The input of steps 4 to 6 of scan.cpp for one query. Their results are in ScanState.
-struct ScanWork {
+struct Work {
     const Query& query;
     const Deadline& deadline;
     Threads threads;
@@ -38,9 +38,9 @@ std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows);
 
 // Finds the largest distance from any point of A to B with steps 5 and 6 of scan.cpp, and stores it in `state`. Returns
 // `converged`, or the reason if the search had to stop early.
-Status search_all(const ScanWork& work, ScanState& state);
+Status search_all(const Work& work, ScanState& state);
 
 // Like search_all(), but only for the undecided points of A, with steps 4 to 6 of scan.cpp.
-Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state);
+Status search_undecided(const Work& work, const std::vector<Undecided>& undecided, ScanState& state);
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

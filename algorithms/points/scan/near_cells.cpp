@@ -9,7 +9,8 @@
 #include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::scan::HWY_NAMESPACE {
+
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -72,11 +73,11 @@ std::size_t squared_to_each(const CellLayout& layout, const double* of_cells, co
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace hausbench {
+namespace hausbench::scan {
 
 HWY_EXPORT(cells_of_each);
 HWY_EXPORT(squared_to_each);
@@ -90,5 +91,5 @@ std::size_t squared_to_cells(const CellLayout& layout, const double* of_cells, c
     return HWY_DYNAMIC_DISPATCH(squared_to_each)(layout, of_cells, points, count, squared);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan
 #endif

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // A grid of size[0] x size[1] x size[2] cubes with its lowest corner at `low`. Cells are numbered along x first, then
 // y, then z. A point outside the grid belongs to the nearest cell, because its index along each axis is clamped.
@@ -38,4 +38,4 @@ void cells_of(const CellLayout& layout, const double* points, std::size_t count,
 std::size_t squared_to_cells(const CellLayout& layout, const double* of_cells, const double* points, std::size_t count,
                              double* squared);
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

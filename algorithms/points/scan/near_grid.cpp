@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 // The indices of an occupied cell along the three axes. Empty if no occupied cell is known yet.
@@ -224,4 +224,4 @@ std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::
            static_cast<std::size_t>(to[2] - from[2] + 1);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

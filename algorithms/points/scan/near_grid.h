@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 class NearGrid {
 public:
@@ -74,4 +74,4 @@ private:
     std::vector<Candidate> candidates_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

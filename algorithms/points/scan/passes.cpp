@@ -12,7 +12,7 @@
 
 #ifndef HAUSBENCH_SCAN_PASSES_ONCE
 #define HAUSBENCH_SCAN_PASSES_ONCE
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 // The nearest point of B so far for one row of A. Stores only its tile, a group of 256 successive rows of B, to keep
@@ -23,11 +23,12 @@ struct Best {
 };
 
 }  // namespace
-}  // namespace hausbench
+}  // namespace hausbench::scan
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::scan::HWY_NAMESPACE {
+
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -118,11 +119,11 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
 }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace hausbench {
+namespace hausbench::scan {
 
 HWY_EXPORT(extent_of_part);
 HWY_EXPORT(nearest_of_part);
@@ -186,5 +187,5 @@ void compare_with_all(const Points& a, std::span<const Index> rows, const Points
     }
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan
 #endif

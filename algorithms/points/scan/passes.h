@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // The bounding box of a point set, and whether the set has tiny coordinates.
 struct Extent {
@@ -30,4 +30,4 @@ void compare_with_all(const Points& a, std::span<const Index> rows, const Points
 std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b,
                                        const Threads& threads);
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -6,7 +6,7 @@
 #include <array>
 #include <limits>
 
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 void set_child(BlockNode& node, std::size_t c, const Box& box) {
@@ -62,7 +62,7 @@ std::vector<PointLeaf> leaves_of(const Points& points, const std::vector<Index>*
     return leaves;
 }
 
-PointBlocks::PointBlocks(const Points& points) : PointBlocks(points, nullptr, box_of(points)) {}
+PointBlocks::PointBlocks(const Points& points) : PointBlocks(points, nullptr, hausbench::box_of(points)) {}
 
 PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box)
     : frame(box), leaves(leaves_of(points, chosen, frame)) {
@@ -103,4 +103,4 @@ std::size_t PointBlocks::leaf_at(const double* point) const {
     return after == leaves.begin() ? 0 : static_cast<std::size_t>(after - leaves.begin()) - 1;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 inline constexpr std::size_t block_points = 16;
 inline constexpr std::size_t block_children = 8;
@@ -62,4 +62,4 @@ struct PointBlocks {
     }
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // Chooses the size of the table. Along each axis, starts with a power of two that exceeds the number of cells in the
 // box. Then halves the axis with the most entries until the table has fewer than four entries per point.
@@ -55,4 +55,4 @@ PointCells::PointCells(const Points& points, const std::vector<Index>* chosen, c
     });
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

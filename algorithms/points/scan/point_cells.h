@@ -15,7 +15,7 @@
 #include <memory>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 class PointCells {
 public:
@@ -80,4 +80,4 @@ private:
     std::unique_ptr<Index[]> next_;  // for each row: the next row in its list, or -1; not set for rows not chosen
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

@@ -43,7 +43,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::scan {
 namespace {
 
 class Scan final : public Solver {
@@ -75,7 +75,7 @@ public:
 
         const Deadline deadline = query.deadline();
         ScanState state;
-        const ScanWork work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
+        const Work work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
         Status stopped = work.stop(state);
         double left = -1;  // upper bound on the squared distances of the undecided points of A; -1: all are decided
         if (stopped != Status::converged) {
@@ -102,7 +102,7 @@ public:
 
 private:
     static constexpr std::size_t batch = 8;  // points compared with all of B in one pass
-    static constexpr std::size_t block_rows = ScanWork::block_rows;
+    static constexpr std::size_t block_rows = Work::block_rows;
 
     // Returns at most `most` threads; a single one if there are few points.
     Threads threads_of(int most) const {
@@ -126,7 +126,7 @@ private:
     // Compares the `batch` points that are farthest from their candidates (all points if there are fewer) with all of
     // B. Removes them from `undecided`. Also removes each point that has a known point of B within the new largest
     // distance.
-    static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
+    static void compare_farthest(const Work& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
             return x.squared != y.squared ? x.squared > y.squared : x.row < y.row;
@@ -143,7 +143,7 @@ private:
     // Lowers the known distances of undecided points: compares each with one point of B from every occupied cell of the
     // grid. For points of A far from B, the nearest of these is about as near as the closest point of B. Does nothing
     // if this takes more than 8 * |B| comparisons.
-    void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
+    void compare_with_spread(const Work& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
         std::vector<Index> rows;
@@ -155,7 +155,7 @@ private:
     }
 
     // Returns, for each block of block_rows points of A, the point that is farthest from its candidate.
-    std::vector<Undecided> farthest_of_blocks(const ScanWork& work) const {
+    std::vector<Undecided> farthest_of_blocks(const Work& work) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> farthest((count + block_rows - 1) / block_rows);
         work.threads.for_each(farthest.size(), [&](std::size_t block) {
@@ -179,7 +179,7 @@ private:
 
     // Step 3: returns the points of A that may still raise the largest distance. `farthest` is the result of
     // farthest_of_blocks().
-    std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
+    std::vector<Undecided> keep_undecided(const Work& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> undecided;
@@ -218,7 +218,7 @@ private:
 
 }  // namespace
 
-SolverEntry scan_solver() {
+SolverEntry solver() {
     SolverInfo info = point_solver_info("scan", "scan (ours)", "");
     info.certified = true;
     info.abilities.insert(Ability::threads);
@@ -245,4 +245,4 @@ SolverEntry scan_solver() {
     return {info, make_solver<Scan>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

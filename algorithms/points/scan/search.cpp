@@ -11,7 +11,8 @@
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
-namespace hausbench::HWY_NAMESPACE {
+namespace hausbench::scan::HWY_NAMESPACE {
+
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -200,11 +201,11 @@ void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState
 std::int64_t scan_target() { return HWY_TARGET; }
 
 }  // namespace
-}  // namespace hausbench::HWY_NAMESPACE
+}  // namespace hausbench::scan::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace hausbench {
+namespace hausbench::scan {
 
 HWY_EXPORT(search_samples);
 HWY_EXPORT(search_leaves);
@@ -220,5 +221,5 @@ void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState
 
 std::int64_t scan_target() { return HWY_DYNAMIC_DISPATCH(scan_target)(); }
 
-}  // namespace hausbench
+}  // namespace hausbench::scan
 #endif

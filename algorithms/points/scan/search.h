@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::scan {
 
 // The state of the search for one query, which all steps of scan.cpp update.
 struct ScanState {
@@ -29,4 +29,4 @@ void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState
 // Returns the instruction set that the Highway library chose on this machine (HWY_TARGET), for tests.
 std::int64_t scan_target();
 
-}  // namespace hausbench
+}  // namespace hausbench::scan

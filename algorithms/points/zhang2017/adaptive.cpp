@@ -20,11 +20,17 @@
 #include <array>
 #include <string_view>
 
-namespace hausbench {
+namespace hausbench::earlybreak {
+SolverEntry solver();
+}
+namespace hausbench::nohd {
+SolverEntry solver();
+}
+namespace hausbench::ohd {
+SolverEntry solver();
+}
 
-SolverEntry earlybreak_solver();
-SolverEntry nohd_solver();
-SolverEntry ohd_solver();
+namespace hausbench::zhang2017 {
 
 namespace {
 
@@ -59,9 +65,9 @@ public:
         const auto make = [](const SolverEntry& entry, const ParameterMap& given) {
             return entry.make(Options(entry.info.name, entry.info.parameters, given));
         };
-        solvers_[nohd] = make(nohd_solver(), {{"depth", options.integer("depth")}});
-        solvers_[earlybreak] = make(earlybreak_solver(), {{"seed", options.integer("seed")}});
-        solvers_[ohd] = make(ohd_solver(), {{"lambda", options.real("lambda")}, {"seed", options.integer("seed")}});
+        solvers_[nohd] = make(nohd::solver(), {{"depth", options.integer("depth")}});
+        solvers_[earlybreak] = make(earlybreak::solver(), {{"seed", options.integer("seed")}});
+        solvers_[ohd] = make(ohd::solver(), {{"lambda", options.real("lambda")}, {"seed", options.integer("seed")}});
     }
 
     Needs needs(const Scene& scene, const QuerySet& queries) const override {
@@ -124,7 +130,13 @@ private:
 
 }  // namespace
 
-SolverEntry adaptive_solver() {
+}  // namespace hausbench::zhang2017
+
+namespace hausbench::adaptive {
+
+using namespace zhang2017;
+
+SolverEntry solver() {
     SolverInfo info = point_solver_info("adaptive", "NOHD/OHD framework", "zhang2017");
     info.certified = true;
     info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
@@ -135,7 +147,7 @@ SolverEntry adaptive_solver() {
                         .description = "largest overlap of the boxes for which EARLYBREAK is chosen",
                         .least = 0,
                         .most = 1}};
-    for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
+    for (const SolverEntry& entry : {nohd::solver(), ohd::solver()}) {
         for (const ParameterSpec& spec : entry.info.parameters) {
             if (std::find(handed_on.begin(), handed_on.end(), spec.name) != handed_on.end())
                 info.parameters.push_back(spec);
@@ -144,4 +156,4 @@ SolverEntry adaptive_solver() {
     return {info, make_solver<Adaptive>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::adaptive

@@ -25,7 +25,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 namespace {
 
 class NohdSearch {
@@ -183,7 +183,13 @@ private:
 
 }  // namespace
 
-SolverEntry nohd_solver() {
+}  // namespace hausbench::zhang2017
+
+namespace hausbench::nohd {
+
+using namespace zhang2017;
+
+SolverEntry solver() {
     SolverInfo info = point_solver_info("nohd", "NOHD", "zhang2017");
     info.certified = true;
     info.may_need = {need<PointOctree>(Side::source)};
@@ -203,4 +209,4 @@ SolverEntry nohd_solver() {
     return {info, make_solver<Nohd>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::nohd

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 
 // A cell of A in the queue. The cell with the largest upper bound comes first.
 struct NohdEntry {
@@ -62,4 +62,4 @@ inline ParameterSpec nohd_depth_parameter() {
             .most = PointOctree::max_depth};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::zhang2017

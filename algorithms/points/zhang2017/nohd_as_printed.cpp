@@ -15,7 +15,7 @@
 #include <optional>
 #include <queue>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 namespace {
 
 class NohdAsPrinted final : public Solver {
@@ -110,7 +110,13 @@ private:
 
 }  // namespace
 
-SolverEntry nohd_as_printed_solver() {
+}  // namespace hausbench::zhang2017
+
+namespace hausbench::nohd_as_printed {
+
+using namespace zhang2017;
+
+SolverEntry solver() {
     SolverInfo info = point_solver_info("nohd_as_printed", "NOHD as printed", "zhang2017");
     info.abilities.erase(Ability::traces);
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
@@ -121,4 +127,4 @@ SolverEntry nohd_as_printed_solver() {
     return {info, make_solver<NohdAsPrinted>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::nohd_as_printed

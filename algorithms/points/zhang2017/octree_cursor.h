@@ -4,7 +4,7 @@
 
 #include "algorithms/points/zhang2017/point_octree.h"
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 
 // An octree cell that contains points. PointOctree may have no node for it.
 struct Cursor {
@@ -29,4 +29,4 @@ template <class F> void for_each_part(const PointOctree& tree, const Cursor& at,
     }
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::zhang2017

@@ -25,7 +25,7 @@
 #include <optional>
 #include <span>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 namespace {
 
 class OhdSearch {
@@ -192,9 +192,17 @@ private:
 
 }  // namespace
 
-SolverEntry ohd_as_printed_solver();
+}  // namespace hausbench::zhang2017
 
-SolverEntry ohd_solver() {
+namespace hausbench::ohd_as_printed {
+SolverEntry solver();
+}
+
+namespace hausbench::ohd {
+
+using namespace zhang2017;
+
+SolverEntry solver() {
     SolverInfo info = point_solver_info("ohd", "OHD", "zhang2017");
     info.certified = true;
     info.may_need = {need<PointOctree>(Side::target)};
@@ -207,9 +215,9 @@ SolverEntry ohd_solver() {
                                    "as_printed: whose side is, which is wrong, and not certified",
                                .choices = {"exact", "as_printed", "none"}});
     return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                if (options.text("culling") == "as_printed") return ohd_as_printed_solver().make(options);
+                if (options.text("culling") == "as_printed") return ohd_as_printed::solver().make(options);
                 return std::make_unique<Ohd>(options);
             }};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::ohd

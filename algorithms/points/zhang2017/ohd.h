@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 
 // Returns a random sample of ceil(lambda * count) of the numbers 0 to count - 1, in random order.
 inline std::vector<Index> first_of_order(Index count, double lambda, Generator& random) {
@@ -27,4 +27,4 @@ inline std::vector<ParameterSpec> ohd_parameters() {
     };
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::zhang2017

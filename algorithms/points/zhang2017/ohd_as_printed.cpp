@@ -17,7 +17,7 @@
 #include <optional>
 #include <queue>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 namespace {
 
 // The octree of B in the paper (Octree_B). Its leaves are cubes with exactly the given side.
@@ -175,7 +175,13 @@ Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
 
 }  // namespace
 
-SolverEntry ohd_as_printed_solver() {
+}  // namespace hausbench::zhang2017
+
+namespace hausbench::ohd_as_printed {
+
+using namespace zhang2017;
+
+SolverEntry solver() {
     SolverInfo info = point_solver_info("ohd_as_printed", "OHD as printed", "zhang2017");
     info.abilities.erase(Ability::traces);
     info.known_wrong = "the paper culls by cells of side AHD, whose points may be sqrt(3) AHD apart: answers too small";
@@ -183,4 +189,4 @@ SolverEntry ohd_as_printed_solver() {
     return {info, make_solver<OhdAsPrinted>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::ohd_as_printed

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 namespace {
 
 double middle_of(double low, double high) { return low + 0.5 * (high - low); }
@@ -90,4 +90,4 @@ std::size_t PointOctree::bytes() const {
            static_cast<std::size_t>(points_.size()) * sizeof(double);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::zhang2017

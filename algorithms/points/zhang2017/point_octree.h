@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::zhang2017 {
 
 // Return the box of an octant of a cell, and the octant that contains a point of the cell. Octants are numbered from 0
 // to 7: bit k is set for the upper half along axis k. Both functions use the same rounded middle of the cell, so the
@@ -64,4 +64,4 @@ private:
     Points points_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::zhang2017

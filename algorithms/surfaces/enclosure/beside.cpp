@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 namespace {
 
 // Returns an interval that contains f_B(y + t) for all points y of the piece of A, where f_B is the polynomial of B.
@@ -100,4 +100,4 @@ double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p
     return infinity;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

@@ -8,7 +8,7 @@
 
 #include "algorithms/surfaces/surface_tree.h"
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 
 // Returns an upper bound on the distance between two points.
 double apart_at_most(const Vec3& a, const Vec3& b);
@@ -31,4 +31,4 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
 double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
               Counters& counters);
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

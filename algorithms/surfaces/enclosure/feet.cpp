@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 namespace {
 
 constexpr int order = TaylorModel::order;
@@ -190,4 +190,4 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     return infinity;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

@@ -22,7 +22,7 @@
 
 #include "algorithms/surfaces/surface_tree.h"
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 
 // Returns an upper bound on the distance from any point of the piece, which belongs to `source`, to `target`. Newton's
 // method starts from `p`, a point near the piece, and `foot`, a point near the point of B closest to p.
@@ -33,4 +33,4 @@ namespace hausbench {
 double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
                   const Vec3& foot, double known, Counters& counters);
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <queue>
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 namespace {
 
 constexpr int most_boxes = 20000;             // limit on the boxes of B that are split for one point
@@ -90,4 +90,4 @@ double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best)
     return best.at_most == infinity ? 0 : std::max(given_away(), 0.0);
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

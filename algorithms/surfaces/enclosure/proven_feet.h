@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 
 // How accurate a search for the nearest point of B must be, and when it may stop early.
 struct FootSearch {
@@ -63,4 +63,4 @@ private:
     std::vector<SurfacePoint> feet_;
 };
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

@@ -34,7 +34,7 @@
 #include <queue>
 #include <span>
 
-namespace hausbench {
+namespace hausbench::surface_enclosure {
 
 namespace {
 
@@ -62,13 +62,13 @@ constexpr double gap_of_next_search = 0.5;
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
 // A box of A in the queue. No point of A in this box is farther from B than `upper`.
-struct EnclosureCell {
+struct Cell {
     double upper;
     std::int32_t node;
     std::array<std::int32_t, kept_feet> feet;  // proven points of B near it, most recently used first
     int feet_count;
 
-    bool operator<(const EnclosureCell& other) const {
+    bool operator<(const Cell& other) const {
         return upper < other.upper || (upper == other.upper && node > other.node);
     }
 
@@ -88,10 +88,10 @@ struct EnclosureCell {
     }
 };
 
-class EnclosureSearch {
+class Search {
 public:
-    EnclosureSearch(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
-                    Trace& trace)
+    Search(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
+           Trace& trace)
         : most_cells_(most_cells),
           query_(query),
           trace_(trace),
@@ -126,7 +126,7 @@ private:
         std::uint64_t splits = 0;
         Bounds& bounds = result_.bounds;
         while (!queue_.empty()) {
-            const EnclosureCell top = queue_.top();
+            const Cell top = queue_.top();
             bounds.upper = std::min(bounds.upper, std::max(top.upper, bounds.lower));
             trace_.record(bounds.lower, bounds.upper);
             if (const auto answer = query_.answer(bounds.lower, bounds.upper)) return *answer;
@@ -153,7 +153,7 @@ private:
     }
 
     // Returns a status if going on is useless, and sets the note to the reason.
-    std::optional<Status> hopeless(const EnclosureCell& top) {
+    std::optional<Status> hopeless(const Cell& top) {
         if (!proven_ && result_.counters.subdivisions > unproven_at_most)
             return stalled("no point of the source could be proven to exist: its polynomial may not change sign there");
         if (feet_.empty() && result_.counters.closest_point_queries > unproven_at_most)
@@ -169,12 +169,12 @@ private:
         return stalled("next to a point that is about equally far from much of the target: too many boxes there");
     }
 
-    void split(const EnclosureCell& cell) {
+    void split(const Cell& cell) {
         a_.split(cell.node, result_.counters);
         ++result_.counters.subdivisions;
         const std::int32_t first = a_[cell.node].first, count = a_[cell.node].count;
         for (std::int32_t i = first; i < first + count; ++i) {
-            EnclosureCell child = cell;
+            Cell child = cell;
             child.node = i;
             bound(child);
             if (child.upper > result_.bounds.lower) {
@@ -191,7 +191,7 @@ private:
     // Lowers the upper bound of a cell with methods of increasing cost, until it is at most the solver's lower bound:
     // the cell then cannot contain the farthest point. The last methods find a proven point in the cell, which may also
     // raise the lower bound.
-    void bound(EnclosureCell& cell) {
+    void bound(Cell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
         const auto lowered = [&](double upper) {
@@ -223,7 +223,7 @@ private:
 
     // Proves a point of A near a cell, if it can. Without it, a search on two surfaces that coincide could drop all cells
     // before any point is proven.
-    void prove_point_near(const EnclosureCell& cell) {
+    void prove_point_near(const Cell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];
         const Vec3 seed = seed_on(piece, piece.form.middle);
         const auto point = a_.nearby(seed, seed, result_.counters);
@@ -249,7 +249,7 @@ private:
 
     // Returns a useful precision for the distance from a point of this cell to B: coarse while the upper bound of the
     // cell is far above the lower bound, finer when the bounds are close.
-    double precision_of(const EnclosureCell& cell) const {
+    double precision_of(const Cell& cell) const {
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
         return std::max(
             {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
@@ -273,7 +273,7 @@ private:
     // Searches for a point of A farther from B: moves `point` away from its closest point of B and back to A, as long
     // as the distance to B grows. Then proves a lower bound on this distance. Does nothing if the gap between the
     // bounds has not halved since the last search.
-    void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
+    void local_search(SurfacePoint point, std::int32_t foot, double step, Cell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
         searched_at_ = gap;
@@ -307,7 +307,7 @@ private:
     Result result_;
     SurfaceTree a_;
     ProvenFeet feet_;
-    std::priority_queue<EnclosureCell> queue_;
+    std::priority_queue<Cell> queue_;
     bool proven_ = false;            // whether some point of A was proven
     bool dropped_ = false;           // whether a cell was dropped because B is near, not because it is empty
     double searched_at_ = infinity;  // the gap at the last local search
@@ -331,7 +331,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         std::optional<UpwardRounding> upward;
         if (WATCHED("surface_enclosure: solve() sets the rounding mode itself", true)) upward.emplace();
-        return EnclosureSearch(*source_, *target_, most_cells_, query, trace).run();
+        return Search(*source_, *target_, most_cells_, query, trace).run();
     }
 
 private:
@@ -360,7 +360,7 @@ private:
 
 }  // namespace
 
-SolverEntry surface_enclosure_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "surface_enclosure";
     info.title = "surface enclosure (ours)";
@@ -379,4 +379,4 @@ SolverEntry surface_enclosure_solver() {
     return {info, make_solver<SurfaceEnclosure>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::surface_enclosure

@@ -23,7 +23,7 @@
 
 #include <algorithm>
 
-namespace hausbench {
+namespace hausbench::interval_subdivision {
 namespace {
 
 class IntervalSubdivision final : public Solver {
@@ -73,7 +73,7 @@ private:
 
 }  // namespace
 
-SolverEntry interval_subdivision_solver() {
+SolverEntry solver() {
     SolverInfo info;
     info.name = "interval_subdivision";
     info.title = "interval subdivision";
@@ -101,4 +101,4 @@ SolverEntry interval_subdivision_solver() {
     return {info, make_solver<IntervalSubdivision>};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::interval_subdivision

@@ -7,7 +7,7 @@
 #include <limits>
 #include <queue>
 
-namespace hausbench {
+namespace hausbench::interval_subdivision {
 namespace {
 
 // Factors that exceed the rounding errors of square roots and of their sums. They only affect which cells are searched,
@@ -235,4 +235,4 @@ VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& 
     return {least, VoxelSearch<true>(a, b, work).run()};
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::interval_subdivision

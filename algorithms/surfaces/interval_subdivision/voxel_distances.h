@@ -12,7 +12,7 @@
 
 #include <optional>
 
-namespace hausbench {
+namespace hausbench::interval_subdivision {
 
 struct VoxelWork {
     const Query& query;
@@ -47,4 +47,4 @@ VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& wor
 // budget.
 VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work);
 
-}  // namespace hausbench
+}  // namespace hausbench::interval_subdivision

@@ -2,7 +2,7 @@
 
 #include "algorithms/error.h"
 
-namespace hausbench {
+namespace hausbench::interval_subdivision {
 namespace {
 
 std::string problem(const AlgebraicSurface& surface, const char* what) {
@@ -90,4 +90,4 @@ Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form) {
     return voxels;
 }
 
-}  // namespace hausbench
+}  // namespace hausbench::interval_subdivision

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace hausbench {
+namespace hausbench::interval_subdivision {
 
 struct Voxels {
     using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines per axis
@@ -55,4 +55,4 @@ struct Voxels {
 // lines coincide, or if it contains no point of the surface.
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form);
 
-}  // namespace hausbench
+}  // namespace hausbench::interval_subdivision

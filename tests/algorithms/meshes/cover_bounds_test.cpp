@@ -25,6 +25,8 @@
 namespace hausbench {
 namespace {
 
+using namespace cover;
+
 using exact::Rational;
 
 constexpr double u = unit_roundoff;
@@ -176,7 +178,7 @@ struct AcrossThePlace {
 // A corner of a piece of level k may be 2 * k * u * M off the point of A that it represents (kernel/rounding.h). Real
 // searches rarely reach half of that, so these tests make pieces by hand.
 
-// A CoverWork with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
+// A cover::Work with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
 // something were far away.
 class Alone {
 public:
@@ -193,14 +195,14 @@ public:
     void begin(const Farthest& farthest) {
         work_.begin(farthest, 0, std::numeric_limits<std::uint64_t>::max(), false, deadline_);
     }
-    CoverPiece piece(int level) const { return {corners(), 0, 0, {}, landmark(), level}; }
+    cover::Piece piece(int level) const { return {corners(), 0, 0, {}, landmark(), level}; }
     std::array<Vec3, 3> corners() const { return {a_.vertices.row(0), a_.vertices.row(1), a_.vertices.row(2)}; }
     Landmark landmark() const {
         Counters counters;
         const ClosestPoint nearest = target_.closest(a_.vertices.row(0), -1, counters);
         return {a_.vertices.row(0), std::sqrt(nearest.squared_distance), nearest.triangle, 0};
     }
-    CoverWork& work() { return work_; }
+    cover::Work& work() { return work_; }
     const TriangleMesh& b() const { return b_; }
     double magnitude() const { return magnitude_; }
     // Returns how far a corner of a piece of this level may be off A.
@@ -219,7 +221,7 @@ private:
     Query query_;
     double magnitude_;
     Deadline deadline_{std::numeric_limits<double>::infinity()};
-    CoverWork work_;
+    cover::Work work_;
 };
 
 // Returns two large triangles in the plane z = 0, one on each side of x = 0.
@@ -247,7 +249,7 @@ Farthest at_one() {
 TEST(CoverWork, ABoundByCornersHoldsForTheExactPiece) {
     Alone alone(at_height(1, -3), two_halves(), 0.1, far_away);
     alone.work().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.work().finish();
+    const cover::Outcome outcome = alone.work().finish();
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1.1);
     EXPECT_GE(outcome.farthest.level, high_level);
@@ -256,7 +258,7 @@ TEST(CoverWork, ABoundByCornersHoldsForTheExactPiece) {
 TEST(CoverWork, ACoverInDoublePrecisionHoldsForTheExactPiece) {
     Alone alone(at_height(1, 0), two_halves(), tolerance_of(70), far_away);
     alone.work().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.work().finish();
+    const cover::Outcome outcome = alone.work().finish();
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1 + 71 * um);
 }
@@ -264,9 +266,9 @@ TEST(CoverWork, ACoverInDoublePrecisionHoldsForTheExactPiece) {
 TEST(CoverWork, ACoverInSinglePrecisionHoldsForTheExactPiece) {
     Alone alone(at_height(1, 0), two_halves(), tolerance_of(70), far_away);
     alone.begin(at_one());
-    const CoverPiece piece = alone.piece(high_level);
+    const cover::Piece piece = alone.piece(high_level);
     alone.work().cover(std::span(&piece, 1), piece.landmark);
-    const CoverOutcome outcome = alone.work().finish();
+    const cover::Outcome outcome = alone.work().finish();
     EXPECT_TRUE(outcome.undecided.empty());
     EXPECT_GE(outcome.settled, 1 + alone.off(high_level));
     EXPECT_LE(outcome.settled, 1 + 71 * um);
@@ -280,9 +282,9 @@ TEST(CoverWork, WhatIsCoveredIsWithinTau) {
         for (int below = 0; below <= 120; below += 3) {
             Alone alone(at_height(tau - below * um, 0), two_halves(), 0.1, far_away);
             alone.begin(at_one());
-            const CoverPiece piece = alone.piece(level);
+            const cover::Piece piece = alone.piece(level);
             alone.work().cover(std::span(&piece, 1), piece.landmark);
-            const CoverOutcome outcome = alone.work().finish();
+            const cover::Outcome outcome = alone.work().finish();
             EXPECT_LE(outcome.settled, tau) << level << ", " << below;
             covered += outcome.undecided.empty();
         }
@@ -312,12 +314,12 @@ TEST(CoverWork, ABoundByTheTriangleNearestToACornerHolds) {
         Farthest begin;
         begin.point.squared = 0.16;
         alone.begin(begin);
-        const std::array<CoverPiece, 2> pieces{alone.piece(0), alone.piece(0)};
+        const std::array<cover::Piece, 2> pieces{alone.piece(0), alone.piece(0)};
         if (alone_at_once)
             alone.work().decide(pieces[0]);
         else
             alone.work().cover(pieces, alone.landmark());
-        const CoverOutcome outcome = alone.work().finish();
+        const cover::Outcome outcome = alone.work().finish();
         EXPECT_TRUE(outcome.undecided.empty());
         EXPECT_GT(outcome.counters.closest_point_queries, 0U);
         EXPECT_EQ(outcome.counters.subdivisions, 0U);
@@ -362,7 +364,7 @@ TEST(CoverWork, ACornerOfAHalfIsOffByItsLevel) {
     b.vertices.leftCols(2) *= 2.0 / 29;
     Alone alone({{0.5, 0.5, 0.5}, {1.5, 0.5, 1.5}, {1, 1.5, 0.5}}, b, 1e-6, far_away);
     alone.work().decide(alone.piece(5));
-    const CoverOutcome outcome = alone.work().finish();
+    const cover::Outcome outcome = alone.work().finish();
     EXPECT_GT(outcome.counters.subdivisions, 0U);
     EXPECT_EQ(outcome.farthest.point.point, Vec3(1.5, 0.5, 1.5));
     EXPECT_GE(outcome.farthest.level, 5);
@@ -375,7 +377,7 @@ TEST(CoverWork, APointInsideAPieceIsOffByItsLevel) {
     for (Index v = 0; v < b.vertices.rows(); ++v) b.vertices(v, 0) += v < 3 ? -0.75 : 0.75;
     Alone alone(at_height(0.125, 0), b, 1e-3, 0x1p20);
     alone.work().decide(alone.piece(high_level));
-    const CoverOutcome outcome = alone.work().finish();
+    const cover::Outcome outcome = alone.work().finish();
     EXPECT_GT(outcome.farthest.point.squared, 0.5);
     EXPECT_GE(outcome.farthest.level, high_level + 1);
 }
@@ -402,12 +404,12 @@ TEST(CoverWork, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
         cluster.count = 1;
         cluster.landmark = alone.landmark();
         alone.work().cover(cluster);
-        const CoverOutcome outcome = alone.work().finish();
+        const cover::Outcome outcome = alone.work().finish();
         ASSERT_GT(outcome.counters.subdivisions, 0U);
         const MeasuredPoint& farthest = outcome.farthest.point;
         EXPECT_TRUE(alone.is_near(farthest.point, outcome.farthest.level)) << i;
         off_a += !alone.is_near(farthest.point, 0);
-        for (const CoverPiece& piece : outcome.undecided) {
+        for (const cover::Piece& piece : outcome.undecided) {
             for (const Vec3& corner : piece.corners) {
                 EXPECT_TRUE(alone.is_near(corner, piece.level)) << i;
                 off_a_undecided += !alone.is_near(corner, 0);
@@ -431,7 +433,7 @@ TEST(CoverWork, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
         }
         Alone alone({away + random.vector(), away + random.vector(), away + random.vector()}, rim, 1e-9);
         alone.work().decide(alone.piece(0));
-        const CoverOutcome outcome = alone.work().finish();
+        const cover::Outcome outcome = alone.work().finish();
         EXPECT_TRUE(alone.is_near(outcome.farthest.point.point, outcome.farthest.level)) << i;
         off_a += !alone.is_near(outcome.farthest.point.point, 0);
     }
@@ -462,8 +464,8 @@ LocalUnits unit_place() {
     return units;
 }
 
-CoverPolygon<double> polygon_of(const Triangle& t, const LocalUnits& place, float slack = 0) {
-    CoverPolygon<double> polygon;
+cover::Polygon<double> polygon_of(const Triangle& t, const LocalUnits& place, float slack = 0) {
+    cover::Polygon<double> polygon;
     for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
         const Vec3 local = *corner * place.inverse;
         polygon.add(local[0], local[1], local[2], slack);
@@ -472,10 +474,11 @@ CoverPolygon<double> polygon_of(const Triangle& t, const LocalUnits& place, floa
 }
 
 // Measures points by trying all triangles of B, and checks that each point is within its slack of the exact piece.
-class CheckingHost final : public CoverHost {
+class CheckingHost final : public cover::Host {
 public:
     // The exact corners are the corners of the piece, moved along z by their slack.
-    CheckingHost(const TriangleMesh& mesh, const LocalUnits& units, const CoverPolygon<double>& piece, double tolerance)
+    CheckingHost(const TriangleMesh& mesh, const LocalUnits& units, const cover::Polygon<double>& piece,
+                 double tolerance)
         : mesh_(mesh), units_(units), tolerance_(tolerance) {
         for (std::size_t i = 0; i < 3; ++i)
             corner_[i] = {Rational(piece.x[i]), Rational(piece.y[i]),
@@ -533,7 +536,7 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
             mesh = soup(
                 rows({t.a, beside(t.a), beside(t.a), t.b, beside(t.b), beside(t.b), t.c, beside(t.c), beside(t.c)}));
         }
-        const CoverPolygon<double> polygon = polygon_of(t, place, i % 8 == 7 ? 200 : 0);
+        const cover::Polygon<double> polygon = polygon_of(t, place, i % 8 == 7 ? 200 : 0);
         CheckingHost host(mesh, place, polygon, 1e-9);
         OffsetCover<double> cover = cover_of(mesh, place);
         cover.set_threshold(host.threshold());
@@ -549,7 +552,7 @@ TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
     const LocalUnits place = unit_place();
     for (const std::uint64_t seed : {107891, 112503, 117661, 120264, 125699}) {
         const AcrossThePlace scene(seed);
-        const CoverPolygon<double> polygon = polygon_of(scene.a, place);
+        const cover::Polygon<double> polygon = polygon_of(scene.a, place);
         CheckingHost host(scene.b, place, polygon, 1e-9);
         OffsetCover<double> cover = cover_of(scene.b, place);
         cover.set_threshold(host.threshold());
@@ -567,7 +570,7 @@ TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     for (int i = 0; i < 200; ++i) {
         const TriangleMesh mesh = soup(rows({random.vector(0x1p24), random.vector(0x1p24), random.vector(0x1p24)}));
         const Triangle t{random.vector(), random.vector(), random.vector()};
-        const CoverPolygon<double> polygon = polygon_of(t, place);
+        const cover::Polygon<double> polygon = polygon_of(t, place);
         CheckingHost host(mesh, place, polygon, 0x1p30);
         OffsetCover<double> cover = cover_of(mesh, place);
         cover.set_threshold(host.threshold());
@@ -618,10 +621,10 @@ TEST(OffsetCover, TheExtentIsTheLengthOfEveryPoint) {
     for (int i = 0; i < 500; ++i) {
         const Vec3 at = random.vector();
         const double size = std::ldexp(1.0, -static_cast<int>(random.below(20)));
-        std::vector<CoverPiece> pieces(static_cast<std::size_t>(1 + random.below(8)));
-        for (CoverPiece& piece : pieces)
+        std::vector<cover::Piece> pieces(static_cast<std::size_t>(1 + random.below(8)));
+        for (cover::Piece& piece : pieces)
             for (Vec3& corner : piece.corners) corner = at + random.vector(size);
-        const CoverBatch batch(pieces, 1);
+        const cover::Batch batch(pieces, 1);
         for (std::size_t k = 0; k < batch.points.count; ++k) {
             const exact::RVec3 p{Rational(batch.points.x[k]), Rational(batch.points.y[k]), Rational(batch.points.z[k])};
             ASSERT_TRUE(is_at_least(batch.extent(), exact::dot(p, p))) << i;
@@ -635,7 +638,7 @@ TEST(OffsetCover, TheExtentIsTheLengthOfEveryPoint) {
 TEST(OffsetCover, TheMostSlackIsInItsError) {
     const LocalUnits place = unit_place();
     const TriangleMesh mesh = soup(rows({{-3, -3, 0}, {3, -3, 0}, {0, 3, 0}}));
-    const CoverPolygon<double> polygon = polygon_of(at_height(1, 0), place, OffsetCover<double>::most_slack);
+    const cover::Polygon<double> polygon = polygon_of(at_height(1, 0), place, OffsetCover<double>::most_slack);
     CheckingHost host(mesh, place, polygon, 8);
     OffsetCover<double> cover = cover_of(mesh, place);
     cover.set_threshold(host.threshold());
@@ -669,8 +672,8 @@ TEST(OffsetCover, NoCutGoesBeyondTheMostSlack) {
             ASSERT_EQ(cover.near.count(), static_cast<std::size_t>(mesh.triangles.rows()));
             cover.make_rows(most_shared_points + most_polygon_corners + 4);
             cover.set_threshold(0.51 * place.inverse);
-            CoverPoints<float> points;
-            CoverPolygon<float> piece;
+            cover::LocalPoints<float> points;
+            cover::Polygon<float> piece;
             for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
                 const Vec3 local = *corner * place.inverse;
                 const auto x = static_cast<float>(local[0]), y = static_cast<float>(local[1]),

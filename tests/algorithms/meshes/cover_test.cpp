@@ -17,6 +17,8 @@
 namespace hausbench {
 namespace {
 
+using namespace cover;
+
 // Local units for the cube [-1, 1]^3, and a cover that holds all triangles of a mesh.
 struct Place {
     LocalUnits units;
@@ -34,7 +36,7 @@ struct Place {
 };
 
 // Measures a point's distance by trying all triangles of the mesh.
-class Host final : public CoverHost {
+class Host final : public cover::Host {
 public:
     Host(const TriangleMesh& mesh, const LocalUnits& units, double tolerance)
         : mesh_(mesh), units_(units), tolerance_(tolerance) {}
@@ -79,7 +81,7 @@ TEST(OffsetCover, BoundsAPieceFromAboveAndEnds) {
         Place place(mesh);
         Host host(mesh, place.units, i % 2 == 0 ? 1e-3 : 1e-7);
         const Triangle t{0.5 * random.vector(), 0.5 * random.vector(), 0.5 * random.vector()};
-        CoverPolygon<double> polygon;
+        cover::Polygon<double> polygon;
         for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
             const Vec3 local = *corner * place.units.inverse;
             polygon.add(local[0], local[1], local[2], 0);
@@ -103,7 +105,7 @@ TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
         Host host(mesh, place.units, 1e-6);
         host.most_work = static_cast<std::size_t>(1 + random.below(30));
         const Triangle t{0.5 * random.vector(), 0.5 * random.vector(), 0.5 * random.vector()};
-        CoverPolygon<double> polygon;
+        cover::Polygon<double> polygon;
         for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
             const Vec3 local = *corner * place.units.inverse;
             polygon.add(local[0], local[1], local[2], 0);
@@ -135,8 +137,8 @@ TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
         ASSERT_EQ(cover.near.count(), 1U);
         cover.make_rows(most_shared_points + most_polygon_corners + 4);
         cover.set_threshold(8 * place.inverse);
-        CoverPoints<float> points;
-        CoverPolygon<float> piece;
+        cover::LocalPoints<float> points;
+        cover::Polygon<float> piece;
         long double farthest = 0;
         const Triangle b = triangle_of(mesh, 0);
         for (const Vec3* corner : {&t.a, &t.b, &t.c}) {

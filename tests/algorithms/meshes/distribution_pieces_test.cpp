@@ -23,6 +23,8 @@
 namespace hausbench {
 namespace {
 
+using namespace distribution;
+
 TEST(DistributionPieces, MeansOfThePositivePartOfAnAffineFunction) {
     EXPECT_DOUBLE_EQ(PositivePart({-1, 0.5, 0.5}).mean(), 4.0 / 27);  // not 1/3, as with corners clamped to 0
     EXPECT_DOUBLE_EQ(PositivePart({-1, -1, 1}).share(), 0.25);

@@ -18,6 +18,8 @@
 namespace hausbench {
 namespace {
 
+using namespace distribution;
+
 using Kind = Statistic::Kind;
 
 TriangleMesh mesh_of(const std::vector<Triangle>& triangles) {

@@ -18,6 +18,8 @@
 namespace hausbench {
 namespace {
 
+using namespace tang;
+
 using exact::Rational;
 using exact::RVec3;
 using exact::operator-;

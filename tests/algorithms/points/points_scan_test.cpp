@@ -24,6 +24,8 @@
 namespace hausbench {
 namespace {
 
+using namespace scan;
+
 Points shuffled(Random& random, Points points) {
     for (auto i = static_cast<Index>(points.rows()); i > 1; --i) points.row(i - 1).swap(points.row(random.below(i)));
     return points;

@@ -13,6 +13,9 @@
 namespace hausbench {
 namespace {
 
+using namespace inc;
+using namespace zhang2017;
+
 std::vector<Points> point_sets() {
     Random random(31);
     std::vector<Points> sets = {rows({{1, 2, 3}}), Points::Constant(40, 3, 0.25), cloud(random, 1), cloud(random, 500),

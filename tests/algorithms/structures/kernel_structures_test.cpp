@@ -15,6 +15,9 @@
 namespace hausbench {
 namespace {
 
+using namespace tang;
+using namespace zhang2017;
+
 TEST(Adjacency, AsByAMapOfEdges) {
     for (const auto& [name, mesh] : tree_meshes()) {
         std::map<std::pair<Index, Index>, std::multiset<Index>> expected;

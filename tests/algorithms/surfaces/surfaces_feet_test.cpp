@@ -15,6 +15,8 @@
 namespace hausbench {
 namespace {
 
+using namespace surface_enclosure;
+
 using Rational = CGAL::Exact_rational;
 constexpr int order = TaylorModel::order;
 
