@@ -1,5 +1,6 @@
 #include "harness/run/supervise.h"
 
+#include "algorithms/session/prepared_solver.h"
 #include "datasets/paths.h"
 #include "harness/record/json.h"
 #include "harness/run/worker_main.h"
@@ -114,7 +115,8 @@ private:
         }
         if (kind == "closer") {
             expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
-            so_far_ = {number(event.at("bounds").at(0)), number(event.at("bounds").at(1))};
+            const Bounds bounds{number(event.at("bounds").at(0)), number(event.at("bounds").at(1))};
+            if (may_bound_a_distance(bounds)) so_far_ = bounds;
             return;
         }
         if (kind == "answer") {
