@@ -17,9 +17,9 @@ namespace {
 std::string gap_above_tolerance(const Row& row) {
     const Bounds& bounds = row.outcome.bounds;
     Query query;
-    query.tolerance = row.asked.resolved_tolerance();
-    query.floor = row.asked.floor;
-    query.cutoff = std::min(row.asked.cutoff, row.outcome.cutoff_used);  // missing in older files
+    query.tolerance = row.spec.resolved_tolerance();
+    query.floor = row.spec.floor;
+    query.cutoff = std::min(row.spec.cutoff, row.outcome.cutoff_used);  // missing in older files
     // Solvers work in scaled units. Scaling back rounds subnormal bounds outward, by at most `least`, so it is enough
     // if the bounds without this rounding answer the query.
     constexpr double least = std::numeric_limits<double>::denorm_min();
@@ -51,26 +51,26 @@ std::string contradiction_in(const Row& row) {
     if (!bounded && is_timed(row.outcome.status))
         return fmt::format("its status is {}, but a bound is not a number", to_string(row.outcome.status));
     for (const auto& [name, hash] :
-         {std::pair(row.asked.source, row.asked.source_hash), std::pair(row.asked.target, row.asked.target_hash)}) {
+         {std::pair(row.spec.source, row.spec.source_hash), std::pair(row.spec.target, row.spec.target_hash)}) {
         if (bounded && hash.empty())
             return fmt::format("it has bounds, but the result does not list its model '{}'", name);
     }
-    if (identify(row.asked) != row.asked.identity)
+    if (identify(row.spec) != row.spec.identity)
         return "its identity does not follow from its shapes, poses, options and limits";
-    if (row.outcome.cutoff_used < row.asked.cutoff && (row.asked.chain.empty() || row.asked.warm))
+    if (row.outcome.cutoff_used < row.spec.cutoff && (row.spec.chain.empty() || row.spec.warm))
         return "its cutoff_used is below its cutoff, but it is in no search";
     if (std::string what = other_status(row); !what.empty()) return what;
     return row.outcome.status == RowStatus::ok ? gap_above_tolerance(row) : "";
 }
 
-std::string wrong_size(const Case& asked, const Shape& source) {
+std::string wrong_size(const Case& spec, const Shape& source) {
     constexpr double rounding = 1e-12;  // another compiler may sum in another order
     const auto differ = [](double told, double is) { return !(std::abs(told - is) <= rounding * is); };
     const double across = diagonal(points_of(source)), longest = longest_side(points_of(source));
-    if (differ(asked.source_diagonal, across) || (asked.source_longest != 0 && differ(asked.source_longest, longest)))
+    if (differ(spec.source_diagonal, across) || (spec.source_longest != 0 && differ(spec.source_longest, longest)))
         return fmt::format(
             "it gives A a diagonal of {:.17g} and a longest side of {:.17g}, but they are {:.17g} and {:.17g}",
-            asked.source_diagonal, asked.source_longest, across, longest);
+            spec.source_diagonal, spec.source_longest, across, longest);
     return "";
 }
 
@@ -90,13 +90,13 @@ std::vector<std::string> contradictions(const std::vector<Row>& rows,
     std::size_t count = 0;
     for (const Row& row : rows) {
         std::string what = contradiction_in(row);
-        const Shape *source = load(row.asked.source), *target = load(row.asked.target);
+        const Shape *source = load(row.spec.source), *target = load(row.spec.target);
         if (what.empty() && source && target)
             what = wrong_witness(row.outcome.witness, element_count(*source), element_count(*target));
         if (WATCHED("verify: the size of A is that of its model", what.empty() && source))
-            what = wrong_size(row.asked, *source);
+            what = wrong_size(row.spec, *source);
         if (what.empty()) continue;
-        if (++count <= most) lines.push_back(fmt::format("{}: {}", name_of(row.asked), what));
+        if (++count <= most) lines.push_back(fmt::format("{}: {}", name_of(row.spec), what));
     }
     if (count > most) lines.push_back(fmt::format("{} more rows contradict themselves", count - most));
     return lines;

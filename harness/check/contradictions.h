@@ -22,7 +22,7 @@ std::string contradiction_in(const Row& row);
 // Returns an error message if the row gives another size of A (diagonal or longest side) than `source` has, otherwise
 // an empty string. A tolerance may be a fraction of this size. A `source_longest` of 0 comes from an older file and is
 // not checked.
-std::string wrong_size(const Case& asked, const Shape& source);
+std::string wrong_size(const Case& spec, const Shape& source);
 
 // Returns an error message if the witness names an element that its shape does not have, otherwise an empty string.
 std::string wrong_witness(const Witness& witness, Index source_elements, Index target_elements);

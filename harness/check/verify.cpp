@@ -111,20 +111,20 @@ private:
     enum Distance { of_first, of_second, of_both };
 
     Distance distance(const Member& m) const {
-        return WATCHED("verify: H refutes no h", distance_of(rows_[m.row].asked) == Quantity::symmetric) ? of_both
-               : m.turned                                                                                ? of_second
-                                                                                                         : of_first;
+        return WATCHED("verify: H refutes no h", distance_of(rows_[m.row].spec) == Quantity::symmetric) ? of_both
+               : m.turned                                                                               ? of_second
+                                                                                                        : of_first;
     }
 
     // Returns the poses of the first and second shape, which all rows share.
     std::pair<Pose, Pose> poses() const {
-        const Case& asked = rows_[members_.front().row].asked;
-        return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
-                                       : std::pair(asked.pose, asked.target_pose);
+        const Case& spec = rows_[members_.front().row].spec;
+        return members_.front().turned ? std::pair(spec.target_pose, spec.pose)
+                                       : std::pair(spec.pose, spec.target_pose);
     }
 
     double slack(const Row& row) const {
-        return WATCHED_ELSE("verify: no slack for certified bounds", row.asked.certified == 0, true) ? slack_ : 0;
+        return WATCHED_ELSE("verify: no slack for certified bounds", row.spec.certified == 0, true) ? slack_ : 0;
     }
 
     void check_lower(const Member& m) {
@@ -141,7 +141,7 @@ private:
         }
         const bool forward = witness.direction == Witness::Direction::source_to_target;
         if (WATCHED("verify: the witness of a directed row is far away on A",
-                    distance_of(row.asked) == Quantity::directed && !forward)) {
+                    distance_of(row.spec) == Quantity::directed && !forward)) {
             row.check.lower = Verdict::unsound;
             row.check.reason = "the witness is one of h(B,A), and the row one of h(A,B)";
             return;
@@ -189,7 +189,7 @@ private:
         const bool forward = witness.direction == Witness::Direction::source_to_target;
         const Vec3& p = forward ? witness.source_point : witness.target_point;
         if (!std::isfinite(beyond) || !p.allFinite() || (surfaces_ && row.outcome.bounds.lower > 0) ||
-            (distance_of(row.asked) == Quantity::directed && !forward))
+            (distance_of(row.spec) == Quantity::directed && !forward))
             return;
         double shown = 0;
         if (by_witness(m, beyond, shown) == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], beyond);
@@ -218,7 +218,7 @@ private:
                     std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
             else
                 found.verdict =
-                    checkers_[m.turned].lower(lower, witness, row.asked.pose, row.asked.target_pose, found.shown);
+                    checkers_[m.turned].lower(lower, witness, row.spec.pose, row.spec.target_pose, found.shown);
             at = known_.emplace(same, found).first;
         }
         shown = at->second.shown;
@@ -236,7 +236,7 @@ private:
                 WATCHED("verify: an upper bound of a reference counts only if it is proven", row.is_reference)
                     ? row.outcome.proven_upper
                     : row.outcome.bounds.upper;
-            if (row.asked.certified == 1 && row.check.lower == Verdict::holds &&
+            if (row.spec.certified == 1 && row.check.lower == Verdict::holds &&
                 WATCHED_ELSE("verify: an upper bound that is refuted refutes nothing", upper >= best_[distance(m)],
                              true))
                 least[distance(m)] = std::min(least[distance(m)], upper);
@@ -294,15 +294,15 @@ Placed placed(const std::string& model, const Pose& pose) {
 }
 
 void check_fields_of(Row& row, const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
-    const Shape *source = load(row.asked.source), *target = load(row.asked.target);
+    const Shape *source = load(row.spec.source), *target = load(row.spec.target);
     if (!source || !target) return;
     std::string reason;
-    const Case& asked = row.asked;
+    const Case& spec = row.spec;
     const double slack =
-        WATCHED_ELSE("fields: slack for bounds that are not certified alone", asked.certified == 0, true)
-            ? slack_for_rounding(*source, asked.pose, *target, asked.target_pose)
+        WATCHED_ELSE("fields: slack for bounds that are not certified alone", spec.certified == 0, true)
+            ? slack_for_rounding(*source, spec.pose, *target, spec.target_pose)
             : 0;
-    row.check.fields = check_fields(row.fields, *source, asked.pose, *target, asked.target_pose, slack, stop, reason);
+    row.check.fields = check_fields(row.fields, *source, spec.pose, *target, spec.target_pose, slack, stop, reason);
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
 
@@ -310,7 +310,7 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
                   const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
     const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
     if (std::all_of(members.begin(), members.end(), is_checked)) return;
-    const Case& first = rows[members.front()].asked;
+    const Case& first = rows[members.front()].spec;
     const Shape *source = load(first.source), *target = load(first.target);
     if (!source || !target || kind_of(*source) != ShapeKind::mesh || kind_of(*target) != ShapeKind::mesh) return;
     PenetrationChecker checker(*source, first.pose, *target, first.target_pose, stop);
@@ -346,15 +346,15 @@ void take_references(std::vector<Row>& rows, const std::vector<Row>& references)
         const auto proof = one.outcome.facts.find("certificate");
         const bool refused = proof != one.outcome.facts.end() && proof->second.starts_with("refused");
         const bool usable = one.outcome.status != RowStatus::unsound && !refused && bounds.lower <= bounds.upper;
-        if (!usable || one.asked.source_hash.empty() || one.asked.target_hash.empty() || !finite(one.asked.pose) ||
-            !finite(one.asked.target_pose))
+        if (!usable || one.spec.source_hash.empty() || one.spec.target_hash.empty() || !finite(one.spec.pose) ||
+            !finite(one.spec.target_pose))
             continue;
-        const auto [at, fresh] = narrowest.emplace(question_of(one.asked), bounds);
+        const auto [at, fresh] = narrowest.emplace(question_of(one.spec), bounds);
         if (bounds.gap() < at->second.gap()) at->second = bounds;
     }
     for (Row& row : rows) {
-        if (!finite(row.asked.pose) || !finite(row.asked.target_pose)) continue;
-        const auto at = narrowest.find(question_of(row.asked));
+        if (!finite(row.spec.pose) || !finite(row.spec.target_pose)) continue;
+        const auto at = narrowest.find(question_of(row.spec));
         row.reference = at == narrowest.end() ? Bounds{unknown, unknown} : at->second;
     }
 }
@@ -376,7 +376,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
     std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids, statistics;  // rows of these quantities
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        const Case& c = rows[i].asked;
+        const Case& c = rows[i].spec;
         const Bounds& b = rows[i].outcome.bounds;
         if (i < checked) rows[i].check = {};
         if (std::isnan(b.lower) || std::isnan(b.upper)) {

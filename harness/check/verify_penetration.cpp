@@ -176,10 +176,10 @@ std::string unsound(const char* bound, double value, const std::string& why) {
 
 // The two solids, and results of earlier checks.
 struct PenetrationChecker::Pair {
-    Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop asked)
+    Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop given)
         : source(a, a_pose),
           target(b, WATCHED_ELSE("verify_penetration: poses", b_pose, Pose{})),
-          stop(std::move(asked)) {
+          stop(std::move(given)) {
         double largest = 0;
         for (const Body* body : {&source, &target}) {
             if (!body->surface.finite() || body->triangles.empty()) return;

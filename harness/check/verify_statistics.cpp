@@ -289,14 +289,14 @@ void check_statistics(std::vector<Row>& rows, const std::vector<std::size_t>& me
                       const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
     const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
     if (std::all_of(members.begin(), members.end(), is_checked)) return;
-    const Case& first = rows[members.front()].asked;
+    const Case& first = rows[members.front()].spec;
     const Shape *source = load(first.source), *target = load(first.target);
     if (!source || !target || kind_of(*source) == ShapeKind::surface || kind_of(*target) == ShapeKind::surface) return;
     StatisticsChecker checker(*source, first.pose, *target, first.target_pose, stop);
     for (const std::size_t i : members) {
         try {
             rows[i].check =
-                checker.check(rows[i].outcome.bounds, statistic_of(rows[i].asked.statistic), rows[i].asked.weigh);
+                checker.check(rows[i].outcome.bounds, statistic_of(rows[i].spec.statistic), rows[i].spec.weigh);
         } catch (const InputError&) {
             rows[i].check = {};  // a damaged file
         }

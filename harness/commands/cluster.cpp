@@ -144,7 +144,7 @@ public:
     // Submits an array job with one task per shard in `numbers`. Returns its job number.
     std::string submit_array(const std::vector<int>& numbers, int of, const std::vector<std::string>& options) const {
         int threads = 1;
-        for (const Case& asked : plan_.cases) threads = std::max(threads, asked.threads);
+        for (const Case& spec : plan_.cases) threads = std::max(threads, spec.threads);
         const fs::path script = folder_ / "shard.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --split {}\n",
                                              run_words(), of, shell_quoted(split_file().string())));

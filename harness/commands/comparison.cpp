@@ -43,8 +43,8 @@ std::set<std::string> unlike_models(const ResultFile& one, const ResultFile& oth
     return unlike;
 }
 
-bool is_of(const Case& asked, const std::set<std::string>& models) {
-    return models.contains(asked.source) || models.contains(asked.target);
+bool is_of(const Case& spec, const std::set<std::string>& models) {
+    return models.contains(spec.source) || models.contains(spec.target);
 }
 
 namespace {
@@ -54,7 +54,7 @@ std::string unlike_text(const ResultFile& base, const ResultFile& candidate) {
     const std::set<std::string> unlike = unlike_models(base, candidate);
     const auto count = [&](const ResultFile& result) {
         return std::count_if(result.rows.begin(), result.rows.end(),
-                             [&](const Row& row) { return is_of(row.asked, unlike); });
+                             [&](const Row& row) { return is_of(row.spec, unlike); });
     };
     const auto first = count(base), second = count(candidate);
     if (first + second == 0) return "";
@@ -67,18 +67,18 @@ std::string unlike_text(const ResultFile& base, const ResultFile& candidate) {
 
 std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
     std::map<std::string, const Row*> by_key;
-    for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
+    for (const Row& row : base.rows) by_key[row.spec.identity + row.spec.scene] = &row;
     std::string differing, table;
     std::size_t matched = 0, untimed = 0;
     std::map<std::string, std::size_t> apart;  // reason why times are not comparable -> number of cases
     std::vector<double> all;
     for (const Row& row : candidate.rows) {
-        const auto at = by_key.find(row.asked.identity + row.asked.scene);
+        const auto at = by_key.find(row.spec.identity + row.spec.scene);
         if (at == by_key.end()) continue;
         ++matched;
         const Outcome &a = at->second->outcome, &b = row.outcome;
         if (!same_answer(a, b)) {
-            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked),
+            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.spec),
                                      to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
                                      b.bounds.lower, b.bounds.upper);
         }
@@ -97,9 +97,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
             continue;
         }
         all.push_back(ratio.value);
-        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {:<4}  {}\n",
-                             name_of(row.asked), ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence,
-                             cpu ? "CPU" : "wall", verdict_of(ratio));
+        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {:<4}  {}\n", name_of(row.spec),
+                             ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence, cpu ? "CPU" : "wall",
+                             verdict_of(ratio));
     }
     const std::string unlike = unlike_text(base, candidate);
     if (matched == 0)
@@ -173,16 +173,16 @@ using Pairs = std::vector<std::pair<const Row*, const Row*>>;
 
 Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row*>& second) {
     std::map<Question, std::vector<const Row*>> answers;
-    for (const Row* row : second) answers[question_of(row->asked)].push_back(row);
+    for (const Row* row : second) answers[question_of(row->spec)].push_back(row);
     Pairs pairs;
     for (const Row* row : first) {
-        const auto at = answers.find(question_of(row->asked));
+        const auto at = answers.find(question_of(row->spec));
         if (at == answers.end()) continue;
         // If some rows of the other solver have the same swept parameters, only these are partners of this row.
-        const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
+        const auto same = [&](const Row* other) { return other->spec.variant == row->spec.variant; };
         const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
         for (const Row* other : at->second) {
-            if ((!both_sweep || same(other)) && share_profile(row->asked.profile, other->asked.profile))
+            if ((!both_sweep || same(other)) && share_profile(row->spec.profile, other->spec.profile))
                 pairs.emplace_back(row, other);
         }
     }
@@ -192,8 +192,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
 // Returns the scene, pose and tolerance of a pair of rows as text. If `several` is set, because a solver has rows with
 // different parameters, the text starts with both solvers.
 std::string names_of(const Row& a, const Row& b, bool several) {
-    return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
-                             : place_of(a.asked));
+    return printable(several ? fmt::format("{} and {}, {}", shown(a.spec), shown(b.spec), place_of(a.spec))
+                             : place_of(a.spec));
 }
 
 std::string ratio_text(const Estimate& ratio) {
@@ -246,7 +246,7 @@ std::string compare_solvers(const ResultFile& result, const std::string& first, 
     std::set<std::string> variants;
     for (const auto& [a, b] : pairs) {
         paired.insert({a, b});
-        variants.insert({"1" + a->asked.variant, "2" + b->asked.variant});
+        variants.insert({"1" + a->spec.variant, "2" + b->spec.variant});
     }
     const auto alone = [&](const std::vector<const Row*>& rows) {
         return std::count_if(rows.begin(), rows.end(), [&](const Row* row) { return !paired.contains(row); });

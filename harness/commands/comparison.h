@@ -14,7 +14,7 @@ namespace hausbench {
 std::set<std::string> unlike_models(const ResultFile& one, const ResultFile& other);
 
 // Returns whether A or B of a case is one of these models.
-bool is_of(const Case& asked, const std::set<std::string>& models);
+bool is_of(const Case& spec, const std::set<std::string>& models);
 
 // Returns the part of a result that compare_results() and compare_solvers() use.
 const ResultPart& compared_part();

@@ -76,9 +76,9 @@ void describe_needs(const Plan& plan, const Job& job, LastScene& last, std::stri
 }
 
 // Returns the solver and its parameters as text, with every seed replaced by "seed=...".
-std::string without_seed(const Case& asked) {
+std::string without_seed(const Case& spec) {
     static const std::regex seed("seed=[^,)]*");
-    return std::regex_replace(shown(asked), seed, "seed=...");
+    return std::regex_replace(shown(spec), seed, "seed=...");
 }
 
 // Groups jobs that have the same solver and scene and differ only in their seeds.

@@ -299,9 +299,9 @@ void take_notes(const MeasureRequest& request, Measured& measured) {
 
 }  // namespace
 
-Measured measure(const MeasureRequest& asked) {
-    check(asked);
-    MeasureRequest request = asked;
+Measured measure(const MeasureRequest& given) {
+    check(given);
+    MeasureRequest request = given;
     // A cutoff very close to the distance may never be decided, so the search needs a time limit.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
     auto [source, target] = load_both(request);

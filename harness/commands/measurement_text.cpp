@@ -166,11 +166,11 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
                                       "the mean of the two",
                                       "the harmonic mean of the two",
                                       "points of A and B together"};
-    const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
+    const std::vector<Statistic> statistics = asked_statistics(request, m.source.counted_by, m.target.counted_by);
     std::string text;
     std::optional<Statistic::Over> block;
-    for (std::size_t i = 0; i < std::min(asked.size(), m.answer.result.statistics.size()); ++i) {
-        Statistic one = asked[i];
+    for (std::size_t i = 0; i < std::min(statistics.size(), m.answer.result.statistics.size()); ++i) {
+        Statistic one = statistics[i];
         if (block != one.over && request.symmetric)
             text += fmt::format("{:<10} {}\n", block ? "" : "statistics", titles[std::size_t(one.over)]);
         block = one.over;
@@ -190,9 +190,9 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
 json statistics_json(const Measured& m, const MeasureRequest& request) {
     if (request.statistics.empty()) return {};
     json all = json::object();
-    const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
-    for (std::size_t i = 0; i < std::min(asked.size(), m.answer.result.statistics.size()); ++i) {
-        const Statistic& one = asked[i];
+    const std::vector<Statistic> statistics = asked_statistics(request, m.source.counted_by, m.target.counted_by);
+    for (std::size_t i = 0; i < std::min(statistics.size(), m.answer.result.statistics.size()); ++i) {
+        const Statistic& one = statistics[i];
         json& place = one.over == Statistic::Over::source ? all : all[std::string(to_string(one.over))];
         const std::string argument = fmt::format("{}", one.argument);
         Statistic plain = one;
@@ -257,7 +257,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
         out["status"] = to_string(row_status(m.failed->why));
         out["note"] = m.failed->reason;
     }
-    const bool asked = m.cutoff.has_value();
+    const bool is_question = m.cutoff.has_value();
     const int code = exit_code(m, request);
     const Quantity quantity = request.quantity();
     out.update({{"direction", quantity == Quantity::directed ? "source to target" : to_string(quantity)},
@@ -269,8 +269,8 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"tolerance", request.tolerance},
                 {"tolerance_of", m.tolerance_of},
                 {"tolerance_absolute", number(m.tolerance_absolute)},
-                {"cutoff", asked ? json(*m.cutoff) : json()},
-                {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
+                {"cutoff", is_question ? json(*m.cutoff) : json()},
+                {"above_cutoff", is_question && code != 3 ? json(code == 1) : json()},
                 {"proven", m.proven ? number(*m.proven) : json()},
                 {"proves_less", m.proven ? json(proves_less(m)) : json()},
                 {"fields", drawn_json(m)},

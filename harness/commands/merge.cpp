@@ -44,9 +44,9 @@ bool same_options(const Row& a, const Row& b) {
         return std::all_of(few.begin(), few.end(),
                            [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
     };
-    if (a.outcome.status == RowStatus::not_built) return within(a.asked.options, b.asked.options);
-    if (b.outcome.status == RowStatus::not_built) return within(b.asked.options, a.asked.options);
-    return a.asked.options == b.asked.options;
+    if (a.outcome.status == RowStatus::not_built) return within(a.spec.options, b.spec.options);
+    if (b.outcome.status == RowStatus::not_built) return within(b.spec.options, a.spec.options);
+    return a.spec.options == b.spec.options;
 }
 
 // Parses the attribute `shard` of a result: "1/3, 2/3" gives the pairs (3, 1) and (3, 2). Returns no pairs for a
@@ -84,8 +84,7 @@ std::string both_shards(const std::string& one, const std::string& other) {
 class Merger {
 public:
     Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
-        for (std::size_t i = 0; i < merged_.rows.size(); ++i)
-            places_[place_of_case(merged_.rows[i].asked)].push_back(i);
+        for (std::size_t i = 0; i < merged_.rows.size(); ++i) places_[place_of_case(merged_.rows[i].spec)].push_back(i);
     }
 
     void add(const ResultFile& next, const fs::path& file, bool any_build) {
@@ -107,7 +106,7 @@ public:
         const std::set<std::string> unlike = unlike_models(merged_, next);
         std::size_t left_out = 0;
         for (const Row& row : next.rows) {
-            if (!is_of(row.asked, unlike))
+            if (!is_of(row.spec, unlike))
                 add(row);
             else if (was_run(row.outcome))
                 ++left_out;
@@ -134,15 +133,15 @@ private:
     }
 
     void add(const Row& row) {
-        std::vector<std::size_t>& here = places_[place_of_case(row.asked)];
+        std::vector<std::size_t>& here = places_[place_of_case(row.spec)];
         bool found = false;
         for (std::size_t i : here) {
             Row& mine = merged_.rows[i];
-            if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
+            if (!same_options(mine, row) || !share_profile(mine.spec.profile, row.spec.profile)) continue;
             found = true;
-            const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
+            const std::string profiles = joined_profiles(mine.spec.profile, row.spec.profile);
             if (was_run(row.outcome)) join(mine, row);
-            mine.asked.profile = profiles;
+            mine.spec.profile = profiles;
         }
         if (found) return;
         here.push_back(merged_.rows.size());
@@ -153,9 +152,9 @@ private:
     // against all of them afterwards.
     void add_references(const ResultFile& next, const std::set<std::string>& unlike) {
         std::set<std::string> known;
-        for (const Row& one : merged_.references) known.insert(one.asked.identity);
+        for (const Row& one : merged_.references) known.insert(one.spec.identity);
         for (const Row& one : next.references)
-            if (!is_of(one.asked, unlike) && known.insert(one.asked.identity).second) merged_.references.push_back(one);
+            if (!is_of(one.spec, unlike) && known.insert(one.spec.identity).second) merged_.references.push_back(one);
     }
 
     // Joins two rows of one case; `row` was run. Replaces `mine` if it was not run. Otherwise checks that both have the
@@ -164,10 +163,10 @@ private:
         const Outcome &a = mine.outcome, &b = row.outcome;
         if (!was_run(a)) {
             mine = row;
-        } else if (mine.asked.identity != row.asked.identity) {
-            refuse(fmt::format("they requested different things at {}: another program or limit", name_of(row.asked)));
+        } else if (mine.spec.identity != row.spec.identity) {
+            refuse(fmt::format("they requested different things at {}: another program or limit", name_of(row.spec)));
         } else if (!same_answer(a, b)) {
-            refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
+            refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.spec),
                                to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status), b.bounds.lower,
                                b.bounds.upper));
         }

@@ -102,7 +102,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
     const bool found =
         find_shown(name, condition) ||
         find_column<Case>(
-            case_columns(), name, [](const Row& row) -> const Case& { return row.asked; }, condition) ||
+            case_columns(), name, [](const Row& row) -> const Case& { return row.spec; }, condition) ||
         find_column<Outcome>(
             outcome_columns(), name, [](const Row& row) -> const Outcome& { return row.outcome; }, condition) ||
         find_column<Check>(
@@ -177,8 +177,8 @@ bool looks_only_at(const RowChoice& choice, const std::set<std::string>& columns
 std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& choice) {
     std::set<std::string> solvers, scenes;
     for (const Row& row : result.rows) {
-        solvers.insert({row.asked.label, shown(row.asked)});
-        scenes.insert(row.asked.scene);
+        solvers.insert({row.spec.label, shown(row.spec)});
+        scenes.insert(row.spec.scene);
     }
     check_known(choice.solvers, solvers, "solver");
     check_known(choice.scenes, scenes, "scene");
@@ -187,8 +187,8 @@ std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& 
     for (std::size_t i = 0; i < result.rows.size(); ++i) {
         const Row& row = result.rows[i];
         const bool solver =
-            choice.solvers.empty() || among(choice.solvers, row.asked.label) || among(choice.solvers, shown(row.asked));
-        const bool scene = choice.scenes.empty() || among(choice.scenes, row.asked.scene);
+            choice.solvers.empty() || among(choice.solvers, row.spec.label) || among(choice.solvers, shown(row.spec));
+        const bool scene = choice.scenes.empty() || among(choice.scenes, row.spec.scene);
         if (solver && scene && meets(row)) rows.push_back(i);
     }
     return rows;

@@ -18,7 +18,7 @@ namespace {
 
 // Returns the values of a row for JSON and CSV, with all digits. The keys, in this order, are also the CSV columns.
 nlohmann::ordered_json row_object(const Row& row) {
-    const Case& c = row.asked;
+    const Case& c = row.spec;
     const Outcome& o = row.outcome;
     const Estimate time = time_of(o);
     const bool timed = time.n > 0;
@@ -93,18 +93,18 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
         });
     };
     std::vector<Shown> out = {
-        {{"solver", false, 0, true}, [](const Row& r) { return shown(r.asked); }},
-        {{"scene", false, 0, true}, [](const Row& r) { return r.asked.scene + suffix_of(r.asked); }},
+        {{"solver", false, 0, true}, [](const Row& r) { return shown(r.spec); }},
+        {{"scene", false, 0, true}, [](const Row& r) { return r.spec.scene + suffix_of(r.spec); }},
     };
-    if (differ([](const Row& r) { return r.asked.pose_index; }))
-        out.push_back({{"pose", true}, [](const Row& r) { return std::to_string(r.asked.pose_index); }});
-    const bool units = differ([](const Row& r) { return r.asked.tolerance_of; });
-    if (differ([](const Row& r) { return tolerance_text(r.asked); }))
+    if (differ([](const Row& r) { return r.spec.pose_index; }))
+        out.push_back({{"pose", true}, [](const Row& r) { return std::to_string(r.spec.pose_index); }});
+    const bool units = differ([](const Row& r) { return r.spec.tolerance_of; });
+    if (differ([](const Row& r) { return tolerance_text(r.spec); }))
         out.push_back({{"tolerance", true}, [units](const Row& r) {
-                           return units ? tolerance_text(r.asked) : fmt::format("{:g}", r.asked.tolerance);
+                           return units ? tolerance_text(r.spec) : fmt::format("{:g}", r.spec.tolerance);
                        }});
-    if (differ([](const Row& r) { return r.asked.profile; }))
-        out.push_back({{"profile", false, 5}, [](const Row& r) { return r.asked.profile; }});
+    if (differ([](const Row& r) { return r.spec.profile; }))
+        out.push_back({{"profile", false, 5}, [](const Row& r) { return r.spec.profile; }});
     out.push_back({{"lower", true}, [](const Row& r) { return bound_text(r.outcome.bounds.lower, true); }});
     out.push_back({{"upper", true}, [](const Row& r) { return bound_text(r.outcome.bounds.upper, false); }});
     out.push_back({{"gap", true, 6}, [](const Row& r) { return gap_text(gap_of(r.outcome)); }});

@@ -21,9 +21,9 @@ std::string time_text(const Outcome& outcome);  // "1.3 ms [1.2 ms, 1.5 ms]": wi
 // Returns the result of checking the row: "unsound" if a bound or a field is refuted, "holds" if the witness proves the
 // lower bound, otherwise "not checked". Returns an empty string if the row has no bounds.
 std::string check_text(const Row& row);
-std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
-std::string answer_of(const Row& row);          // the column `answer`, such as "gap"
-std::string gap_text(double gap);               // two digits; empty for NaN
+std::string tolerance_text(const Case& spec);  // "0.001 diagonal"
+std::string answer_of(const Row& row);         // the column `answer`, such as "gap"
+std::string gap_text(double gap);              // two digits; empty for NaN
 
 // Returns a note that says why not all times of the rows are comparable, or an empty string if they are.
 std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs);

@@ -14,13 +14,13 @@
 namespace hausbench {
 
 SummaryNames::SummaryNames(const std::vector<Row>& rows) {
-    for (const Row& row : rows) variants_[row.asked.label].insert(row.asked.variant);
+    for (const Row& row : rows) variants_[row.spec.label].insert(row.spec.variant);
 }
 
-std::string SummaryNames::of(const Case& asked) const {
+std::string SummaryNames::of(const Case& spec) const {
     constexpr std::size_t most = 8;
-    const std::size_t count = variants_.at(asked.label).size();
-    return count > most ? fmt::format("{}({} variants)", asked.label, count) : shown(asked);
+    const std::size_t count = variants_.at(spec.label).size();
+    return count > most ? fmt::format("{}({} variants)", spec.label, count) : shown(spec);
 }
 
 std::string count_statuses(const std::vector<Row>& rows) {
@@ -41,7 +41,7 @@ std::string describe_references(const ResultFile& result) {
         if (std::isnan(row.reference.lower) || std::isnan(row.outcome.bounds.lower)) continue;
         ++held;
         if (!(row.reference.gap() > row.outcome.bounds.gap()) ||
-            row.reference.gap() <= row.asked.resolved_tolerance().gap(row.reference.lower))
+            row.reference.gap() <= row.spec.resolved_tolerance().gap(row.reference.lower))
             continue;
         ++narrower;
         if (!widest || row.reference.gap() > widest->reference.gap()) widest = &row;
@@ -52,7 +52,7 @@ std::string describe_references(const ResultFile& result) {
     if (widest)
         text +=
             fmt::format("  {} rows can be refuted only to within the width of their reference, at most {:.3g} ({})\n",
-                        narrower, widest->reference.gap(), name_of(widest->asked));
+                        narrower, widest->reference.gap(), name_of(widest->spec));
     return text;
 }
 
@@ -72,12 +72,12 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
         // Prefers the reference answer to the distance given in the experiment, because it was checked.
-        const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
+        const double distance = std::isnan(row.reference.lower) ? row.spec.exact : row.reference.lower;
         const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // the known distance then tests both bounds
-        if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || exact || !(bounds.gap() >= 0) ||
+        if (row.spec.certified != 1 || !plugin_of(row.spec.solver) || exact || !(bounds.gap() >= 0) ||
             !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
-        Tried& one = tried[row.asked.solver];
+        Tried& one = tried[row.spec.solver];
         ++one.answers;
         if (std::isnan(distance)) continue;
         ++one.held;
@@ -108,13 +108,13 @@ std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
     constexpr double rounding = 1e-12;         // allowed error of `exact`, as a fraction of the diagonal of A
     std::map<std::string, std::string> lines;  // by scene
     for (const Row& row : result.rows) {
-        const double exact = row.asked.exact, slack = rounding * row.asked.source_diagonal;
+        const double exact = row.spec.exact, slack = rounding * row.spec.source_diagonal;
         if (std::isnan(exact) || !(exact < row.reference.lower - slack || exact > row.reference.upper + slack))
             continue;
-        lines.emplace(row.asked.scene,
+        lines.emplace(row.spec.scene,
                       fmt::format("scene '{}': the experiment says that the distance is exactly {:.17g}, "
                                   "the reference answer is [{:.17g}, {:.17g}]",
-                                  row.asked.scene, exact, row.reference.lower, row.reference.upper));
+                                  row.spec.scene, exact, row.reference.lower, row.reference.upper));
     }
     std::vector<std::string> out;
     for (const auto& [scene, line] : lines) out.push_back(line);
@@ -148,8 +148,8 @@ private:
 // nothing.
 bool of_one_question(const std::vector<Row>& rows) {
     return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
-        return row.asked.scene == rows.front().asked.scene && row.asked.tolerance == rows.front().asked.tolerance &&
-               row.asked.statistic == rows.front().asked.statistic;
+        return row.spec.scene == rows.front().spec.scene && row.spec.tolerance == rows.front().spec.tolerance &&
+               row.spec.statistic == rows.front().spec.statistic;
     });
 }
 
@@ -178,9 +178,9 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
     const SummaryNames names(result.rows);
     Groups solvers, reasons;
     for (const Row& row : result.rows) {
-        solvers.add(names.of(row.asked), row);
+        solvers.add(names.of(row.spec), row);
         if (row.outcome.status != RowStatus::ok)
-            reasons.add(fmt::format("{} {} {}", row.asked.label, to_string(row.outcome.status),
+            reasons.add(fmt::format("{} {} {}", row.spec.label, to_string(row.outcome.status),
                                     without_numbers(row.outcome.reason)),
                         row);
     }
@@ -188,7 +188,7 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
     const bool with_numbers = of_one_question(result.rows);
     if (with_numbers) columns.insert(columns.end(), {{"median solve", true, 1}, {"largest gap", true, 2}});
     TextTable table(std::move(columns));
-    for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->asked), rows, with_numbers));
+    for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->spec), rows, with_numbers));
     std::string out = table.text(paper);
     std::vector<const Row*> all;
     for (const Row& row : result.rows) all.push_back(&row);
@@ -196,11 +196,11 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
         out += wrapped(apart, 0, paper.width);
     for (const auto& rows : reasons.all()) {
         const Row& first = *rows.front();
-        const std::string where = fmt::format("{}{}, pose {}, tolerance {:g}", first.asked.scene,
-                                              suffix_of(first.asked), first.asked.pose_index, first.asked.tolerance);
+        const std::string where = fmt::format("{}{}, pose {}, tolerance {:g}", first.spec.scene, suffix_of(first.spec),
+                                              first.spec.pose_index, first.spec.tolerance);
         const std::string which =
             rows.size() == 1 ? where : fmt::format("{} rows like this; the first: {}", rows.size(), where);
-        out += wrapped(fmt::format("{}: {}: {} ({})", rows.size() == 1 ? shown(first.asked) : first.asked.label,
+        out += wrapped(fmt::format("{}: {}: {} ({})", rows.size() == 1 ? shown(first.spec) : first.spec.label,
                                    to_string(first.outcome.status), first.outcome.reason, which),
                        0, paper.width);
     }

@@ -19,7 +19,7 @@ std::string show_summary(const ResultFile& result, const Paper& paper);
 class SummaryNames {
 public:
     explicit SummaryNames(const std::vector<Row>& rows);
-    std::string of(const Case& asked) const;
+    std::string of(const Case& spec) const;
 
 private:
     std::map<std::string, std::set<std::string>> variants_;  // by label

@@ -190,7 +190,7 @@ std::string describe_checks(const ResultFile& result) {
     std::map<std::string, std::map<Verdict, int>> lower, upper;
     const SummaryNames names(result.rows);
     for (const Row& row : result.rows) {
-        const std::string name = printable(names.of(row.asked));
+        const std::string name = printable(names.of(row.spec));
         ++lower[name][row.check.lower];
         ++upper[name][row.check.upper];
     }
@@ -216,7 +216,7 @@ std::string describe_checks(const ResultFile& result) {
     for (const auto* rows : {&result.rows, &result.references}) {
         for (const Row& row : *rows) {
             if (!row.check.reason.empty())
-                text += fmt::format("unsound: {}: {}\n", name_of(row.asked), printable(row.check.reason));
+                text += fmt::format("unsound: {}: {}\n", name_of(row.spec), printable(row.check.reason));
         }
     }
     return text;

@@ -82,21 +82,21 @@ struct Estimates::Memory {
     void learn(const Row& row) {
         const Outcome& o = row.outcome;
         if (o.from_trace) return;
-        if (o.peak_bytes > 0 && elements(row.asked) >= least_elements_to_learn_from)
-            bytes[row.asked.solver].add(elements(row.asked), double(o.peak_bytes) / elements(row.asked));
+        if (o.peak_bytes > 0 && elements(row.spec) >= least_elements_to_learn_from)
+            bytes[row.spec.solver].add(elements(row.spec), double(o.peak_bytes) / elements(row.spec));
         if (o.machine != this_machine().id) return;
         const bool killed = o.status == RowStatus::timeout && !std::isfinite(o.solve_seconds);
         if (!killed && !std::isfinite(o.solve_seconds)) return;
-        Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds,
-                    expected_work(row.asked), true};
-        cases[row.asked.identity] = known;
-        if (known.work > 0) times[row.asked.solver].add(known.work, known);
+        Known known{killed ? 0 : o.prepare_seconds, killed ? row.spec.limits.case_seconds : o.solve_seconds,
+                    expected_work(row.spec), true};
+        cases[row.spec.identity] = known;
+        if (known.work > 0) times[row.spec.solver].add(known.work, known);
     }
 
-    Known of(const Case& asked) const {
-        if (const auto at = cases.find(asked.identity); at != cases.end()) return at->second;
-        const auto others = times.find(asked.solver);
-        const double work = expected_work(asked);
+    Known of(const Case& spec) const {
+        if (const auto at = cases.find(spec.identity); at != cases.end()) return at->second;
+        const auto others = times.find(spec.solver);
+        const double work = expected_work(spec);
         if (others == times.end()) return {0, work * seconds_per_distance, work, false};
         const Known& near = others->second.nearest(work);
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
@@ -104,9 +104,9 @@ struct Estimates::Memory {
 
     // Returns the bytes per element of the solver's known case with the nearest number of elements. Returns 0 if there
     // is none.
-    double bytes_of(const Case& asked) const {
-        const auto others = bytes.find(asked.solver);
-        return others != bytes.end() && elements(asked) > 0 ? others->second.nearest(elements(asked)) : 0;
+    double bytes_of(const Case& spec) const {
+        const auto others = bytes.find(spec.solver);
+        return others != bytes.end() && elements(spec) > 0 ? others->second.nearest(elements(spec)) : 0;
     }
 
     std::map<std::string, Known> cases;
@@ -165,17 +165,17 @@ JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
     JobEstimate out;
     double prepare = 0, besides = 0, load = 0;
     for (std::size_t row : job.cases) {
-        const Case& asked = plan.cases[row];
-        const Known known = memory_->of(asked);
+        const Case& spec = plan.cases[row];
+        const Known known = memory_->of(spec);
         prepare = std::max(prepare, known.prepare);
-        load = std::max(load, elements(asked));
-        const double bytes = memory_->bytes_of(asked) * elements(asked);
-        besides = std::max(besides, bytes > 0 ? bytes : guessed_bytes(asked));
+        load = std::max(load, elements(spec));
+        const double bytes = memory_->bytes_of(spec) * elements(spec);
+        besides = std::max(besides, bytes > 0 ? bytes : guessed_bytes(spec));
         out.known += known.answered;
-        const double once = std::min(known.solve, asked.limits.case_seconds);
-        const bool in_time = known.solve < asked.limits.case_seconds;
+        const double once = std::min(known.solve, spec.limits.case_seconds);
+        const bool in_time = known.solve < spec.limits.case_seconds;
         const double repeats =
-            in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * asked.limits.case_seconds + once) : 0;
+            in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * spec.limits.case_seconds + once) : 0;
         out.seconds += e.rounds * (once + repeats) + (e.trace && !plan.marks(row).empty() ? once : 0);
     }
     out.seconds += e.rounds * (start_seconds + load_seconds * load + prepare);

@@ -220,13 +220,13 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
     std::vector<std::string> swept;
     for (const ExperimentTable& given : tables_of(root, scene_keys())) {
         names.all.insert(given.text("name"));
-        const bool asked = wanted(given, experiment.profile, profiles);
-        if (asked) swept.push_back(given.text("name"));
+        const bool is_wanted = wanted(given, experiment.profile, profiles);
+        if (is_wanted) swept.push_back(given.text("name"));
         for (const ExperimentTable& table : by_severity(given)) {
             const ScenePlan scene = read_scene(table);
             const auto pairs = expand(table, scene);
             for (const ScenePlan& pair : pairs) names.all.insert(pair.name);
-            if (!asked) continue;
+            if (!is_wanted) continue;
             expect_pose_files(table, scene);
             bool fresh = names.wanted.insert(scene.name).second;
             for (ScenePlan pair : pairs) {
@@ -359,12 +359,12 @@ std::vector<fs::path> experiment_files(const fs::path& folder) {
     return files;
 }
 
-bool unsound_expected(const Case& asked, const Experiment& experiment) {
-    if (asked.certified == 1) return false;
+bool unsound_expected(const Case& spec, const Experiment& experiment) {
+    if (spec.certified == 1) return false;
     const auto& labels = experiment.expected_unsound;
-    if (std::find(labels.begin(), labels.end(), asked.label) != labels.end()) return true;
+    if (std::find(labels.begin(), labels.end(), spec.label) != labels.end()) return true;
     return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
-        return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
+        return entry.info.name == spec.solver && !entry.info.known_wrong.empty();
     });
 }
 

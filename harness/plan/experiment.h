@@ -110,7 +110,7 @@ Experiment in_profile(const Experiment& experiment, const std::string& profile);
 // Returns whether a wrong answer to this case is expected, not an alarm: the solver is known to be wrong
 // (SolverInfo::known_wrong), or the experiment lists its label in `expected_unsound`. A solver that promises valid
 // bounds is never expected to be wrong.
-bool unsound_expected(const Case& asked, const Experiment& experiment);
+bool unsound_expected(const Case& spec, const Experiment& experiment);
 
 // Returns the models that the text of an experiment defines in a profile. Relative paths start from the folder of
 // `file`.

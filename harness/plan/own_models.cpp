@@ -85,7 +85,7 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
     };
     const fs::path file = text("experiment_file");
     std::set<std::string> profiles;  // profiles of rows from earlier runs; each may define models of its own
-    for (const Row& row : result.rows) profiles.merge(profile_names(row.asked.profile));
+    for (const Row& row : result.rows) profiles.merge(profile_names(row.spec.profile));
     profiles.erase(text("profile"));
     std::vector<std::string> all{text("profile")};  // the result's own profile first, so that its models win
     all.insert(all.end(), profiles.begin(), profiles.end());

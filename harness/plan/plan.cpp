@@ -104,10 +104,10 @@ public:
     }
 
     AskedCases as_recorded(const RecordedModels& recorded) {
-        AskedCases asked;
+        AskedCases requested;
         for (const ScenePlan& scene : plan_.experiment.scenes) {
             const SceneModels models = recorded.find(scene);
-            if (models.row == RowStatus::failed) asked.unknown.insert(scene.name);
+            if (models.row == RowStatus::failed) requested.unknown.insert(scene.name);
             for (const SolverPlan& solver : plan_.experiment.solvers) {
                 if (!chosen(solver.scenes, scene)) continue;
                 for (const ParameterMap& options : solver.options)
@@ -116,8 +116,8 @@ public:
             }
         }
         check_identities();
-        asked.cases = std::move(plan_.cases);
-        return asked;
+        requested.cases = std::move(plan_.cases);
+        return requested;
     }
 
 private:
@@ -189,17 +189,17 @@ private:
         for (std::size_t p = 0; p < one.models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
-                Case asked = one.common;
-                asked.pose_index = int(p);
-                if (!scene.frames.empty()) asked.frame = scene.frames[p];
-                asked.pose = one.models.poses[p].source;
-                asked.target_pose = one.models.poses[p].target;
-                asked.tolerance = tolerances[t];
-                if (chained) asked.chain = before[t];
-                asked.identity = identify(asked);
-                if (chained) before[t] = asked.identity;
+                Case spec = one.common;
+                spec.pose_index = int(p);
+                if (!scene.frames.empty()) spec.frame = scene.frames[p];
+                spec.pose = one.models.poses[p].source;
+                spec.target_pose = one.models.poses[p].target;
+                spec.tolerance = tolerances[t];
+                if (chained) spec.chain = before[t];
+                spec.identity = identify(spec);
+                if (chained) before[t] = spec.identity;
                 const std::size_t row = plan_.cases.size();
-                plan_.cases.push_back(std::move(asked));
+                plan_.cases.push_back(std::move(spec));
                 if (one.decided) {
                     plan_.decided[row] = *one.decided;
                 } else if (t > 0 && reads_trace) {
@@ -234,13 +234,13 @@ private:
         const SceneModels& models = one.models;
         const ShapeKind source = std::get<ResolvedModel>(models.source).kind,
                         target = std::get<ResolvedModel>(models.target).kind;
-        Case asked = one.common;
-        asked.tolerance = tolerance;
+        Case spec = one.common;
+        spec.tolerance = tolerance;
         Query query;
-        query.quantity = asked.quantity;
-        query.tolerance = asked.resolved_tolerance();
-        query.floor = asked.floor;
-        query.cutoff = asked.cutoff;
+        query.quantity = spec.quantity;
+        query.tolerance = spec.resolved_tolerance();
+        query.floor = spec.floor;
+        query.cutoff = spec.cutoff;
         return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
             query.source_pose = pose.source;
             query.target_pose = pose.target;
@@ -276,17 +276,17 @@ private:
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
 
-    void note(const std::string& label, const SolverOnScene& one, std::size_t asked, std::size_t run) {
+    void note(const std::string& label, const SolverOnScene& one, std::size_t requested, std::size_t run) {
         auto& ledger = plan_.ledger;
         if (one.decided) {
             ledger.push_back({one.decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
-                              one.decided->reason, std::int64_t(asked)});
-        } else if (asked > run) {
+                              one.decided->reason, std::int64_t(requested)});
+        } else if (requested > run) {
             ledger.push_back({"not_run", label, coarser_tolerances,
                               ignores_tolerance(one.entry->info, one.given)
                                   ? "the solver ignores the tolerance: its answer is the same for each"
                                   : "the trace of the finest tolerance holds their answers",
-                              std::int64_t(asked - run)});
+                              std::int64_t(requested - run)});
         }
     }
 
@@ -314,13 +314,13 @@ private:
 
     void check_identities() const {
         std::map<std::string, const Case*> seen;
-        for (const Case& asked : plan_.cases) {
-            const auto [at, fresh] = seen.emplace(asked.identity, &asked);
-            if (!fresh && at->second->scene == asked.scene) {
+        for (const Case& spec : plan_.cases) {
+            const auto [at, fresh] = seen.emplace(spec.identity, &spec);
+            if (!fresh && at->second->scene == spec.scene) {
                 throw InputError(fmt::format(
                     "{}: '{}' and '{}' ask for the same case on scene '{}{}' (pose {}, tolerance {}): remove one",
-                    plan_.experiment.file.string(), shown(*at->second), shown(asked), asked.scene,
-                    suffix_of_statistic(asked), asked.pose_index, asked.tolerance));
+                    plan_.experiment.file.string(), shown(*at->second), shown(spec), spec.scene,
+                    suffix_of_statistic(spec), spec.pose_index, spec.tolerance));
             }
         }
     }
@@ -349,8 +349,8 @@ void Plan::read_off(std::size_t row, const FromTrace& from) {
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
     ModelFinder finder(catalogue, say);
     Plan plan = Planner(experiment).make(choice, catalogue, finder);
-    if (const auto asked = references_of(plan))
-        plan.references = std::make_shared<Plan>(Planner(*asked).make({}, catalogue, finder));
+    if (const auto references = references_of(plan))
+        plan.references = std::make_shared<Plan>(Planner(*references).make({}, catalogue, finder));
     return plan;
 }
 

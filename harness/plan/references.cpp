@@ -42,15 +42,15 @@ SolverPlan plan_of(const std::string& name, Quantity quantity, std::vector<std::
 }  // namespace
 
 std::optional<Experiment> references_of(const Plan& plan) {
-    Experiment asked = plan.experiment;
-    asked.solvers.clear();
-    if (!asked.reference) return std::nullopt;
+    Experiment references = plan.experiment;
+    references.solvers.clear();
+    if (!references.reference) return std::nullopt;
     std::map<std::string, ShapeKind> kinds;
     for (const ModelRow& model : plan.models) kinds[model.info->name] = model.resolved.kind;
     std::map<std::string, double> finest;                                      // by scene
     std::map<std::pair<std::string, Quantity>, std::set<std::string>> scenes;  // by solver and quantity
     std::set<std::string> searches;
-    for (const ScenePlan& scene : asked.scenes)
+    for (const ScenePlan& scene : references.scenes)
         if (scene.search) searches.insert(scene.name);
     for (const Case& one : plan.cases) {
         const auto source = kinds.find(one.source), target = kinds.find(one.target);
@@ -66,21 +66,21 @@ std::optional<Experiment> references_of(const Plan& plan) {
     }
     if (scenes.empty()) return std::nullopt;
     for (auto& [key, names] : scenes)
-        asked.solvers.push_back(plan_of(key.first, key.second, {names.begin(), names.end()}));
-    std::erase_if(asked.scenes, [&](const ScenePlan& scene) { return !finest.contains(scene.name); });
-    for (ScenePlan& scene : asked.scenes) {
+        references.solvers.push_back(plan_of(key.first, key.second, {names.begin(), names.end()}));
+    std::erase_if(references.scenes, [&](const ScenePlan& scene) { return !finest.contains(scene.name); });
+    for (ScenePlan& scene : references.scenes) {
         const double tolerance = finer * finest.at(scene.name);
         scene.tolerances = {tolerance > 0 ? tolerance : finest.at(scene.name)};
     }
-    asked.floor = 0;
-    asked.cutoff = std::numeric_limits<double>::infinity();
-    asked.budget = -1;
-    asked.repeats = 0;
-    asked.rounds = 1;
-    asked.trace = asked.fields = asked.stages = false;
-    asked.limits.case_seconds = asked.reference_seconds;
-    asked.expected_unsound.clear();
-    return asked;
+    references.floor = 0;
+    references.cutoff = std::numeric_limits<double>::infinity();
+    references.budget = -1;
+    references.repeats = 0;
+    references.rounds = 1;
+    references.trace = references.fields = references.stages = false;
+    references.limits.case_seconds = references.reference_seconds;
+    references.expected_unsound.clear();
+    return references;
 }
 
 }  // namespace hausbench

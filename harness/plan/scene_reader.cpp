@@ -170,11 +170,11 @@ std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan
 std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     const toml::node *list = table.find("frames"), *every = table.find("every");
     if (list && every) table.fail(*every, "'every' and 'frames' both choose frames: remove one of the two");
-    std::vector<bool> asked(std::size_t(count), false);
+    std::vector<bool> chosen(std::size_t(count), false);
     if (!list) {
         const int step = table.count("every", 1, 1);
-        for (std::size_t i = 0; i < asked.size(); i += std::size_t(step)) asked[i] = true;
-        return asked;
+        for (std::size_t i = 0; i < chosen.size(); i += std::size_t(step)) chosen[i] = true;
+        return chosen;
     }
     const toml::array* frames = list->as_array();
     if (!frames || frames->empty()) table.fail(*list, "'frames' must be a list of numbers of frames");
@@ -182,9 +182,9 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
         const auto frame = item.value_exact<std::int64_t>();
         if (!frame || *frame < 0 || *frame >= count)
             table.fail(item, fmt::format("'frames': a frame is an integer from 0 to {}", count - 1));
-        asked[std::size_t(*frame)] = true;
+        chosen[std::size_t(*frame)] = true;
     }
-    return asked;
+    return chosen;
 }
 
 // Returns one scene for each pair of models with overlapping objects. Each pose of the scene comes from a frame in
@@ -204,7 +204,7 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
     } catch (const InputError& error) {
         table.fail(node, fmt::format("'recording': {}", error.what()));
     }
-    const std::vector<bool> asked = frames_asked(table, recording.frames);
+    const std::vector<bool> chosen = frames_asked(table, recording.frames);
     std::vector<ScenePlan> scenes;
     for (const Recording::Pair& pair : recording.pairs) {
         ScenePlan one = scene;
@@ -215,7 +215,7 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
         one.source_line = one.target_line = line_of(node);
         Recorded source, target;
         for (std::size_t i = 0; i < pair.frames.size(); ++i) {
-            if (!asked[std::size_t(pair.frames[i])]) continue;
+            if (!chosen[std::size_t(pair.frames[i])]) continue;
             one.frames.push_back(pair.frames[i]);
             source.poses.push_back(pair.source_poses[i]);
             target.poses.push_back(pair.target_poses[i]);

@@ -15,9 +15,9 @@ Tolerance Case::resolved_tolerance() const {
     return {Tolerance::Of::absolute, tolerance_as_length(tolerance, unit())};
 }
 
-std::string identify(const Case& asked) {
+std::string identify(const Case& spec) {
     Sha256 hash;
-    hash.add("case 1").add(asked.source_hash).add(asked.target_hash);
+    hash.add("case 1").add(spec.source_hash).add(spec.target_hash);
     const Case usual;
     const auto values_of = [](const Column<Case>::Real& real, const Case& row) {
         std::vector<double> values(real.width);
@@ -26,21 +26,21 @@ std::string identify(const Case& asked) {
     };
     for (const Column<Case>& column : case_columns()) {
         if (column.identity == Identity::no) continue;
-        if (column.name == "source" && !asked.source_hash.empty()) continue;
-        if (column.name == "target" && !asked.target_hash.empty()) continue;
+        if (column.name == "source" && !spec.source_hash.empty()) continue;
+        if (column.name == "target" && !spec.target_hash.empty()) continue;
         const bool later = column.identity == Identity::where_given;
         if (const auto* text = std::get_if<Column<Case>::Text>(&column.value)) {
-            if (later && text->get(asked) == text->get(usual)) continue;
+            if (later && text->get(spec) == text->get(usual)) continue;
             if (later) hash.add(column.name);
-            hash.add(text->get(asked));
+            hash.add(text->get(spec));
         } else if (const auto* integer = std::get_if<Column<Case>::Integer>(&column.value)) {
-            const std::int64_t value = integer->get(asked);
+            const std::int64_t value = integer->get(spec);
             if (later && value == integer->get(usual)) continue;
             if (later) hash.add(column.name);
             hash.add(&value, sizeof value);
         } else {
             const auto& real = std::get<Column<Case>::Real>(column.value);
-            const std::vector<double> values = values_of(real, asked);
+            const std::vector<double> values = values_of(real, spec);
             if (later && values == values_of(real, usual)) continue;
             if (later) hash.add(column.name);
             hash.add(values.data(), values.size() * sizeof(double));
@@ -49,8 +49,8 @@ std::string identify(const Case& asked) {
     return hash.hex();
 }
 
-std::string shown(const Case& asked) {
-    return asked.variant.empty() ? asked.label : fmt::format("{}({})", asked.label, asked.variant);
+std::string shown(const Case& spec) {
+    return spec.variant.empty() ? spec.label : fmt::format("{}({})", spec.label, spec.variant);
 }
 
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept) {
@@ -66,8 +66,8 @@ std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>&
     return text;
 }
 
-std::string suffix_of(const Case& asked) {
-    switch (asked.quantity) {
+std::string suffix_of(const Case& spec) {
+    switch (spec.quantity) {
         case Quantity::directed:
             return "";
         case Quantity::symmetric:
@@ -75,13 +75,13 @@ std::string suffix_of(const Case& asked) {
         case Quantity::penetration:
             return ", depth";
         case Quantity::distribution:
-            return ", " + asked.statistic + (asked.weigh == WeighBy::number ? " by number" : "");
+            return ", " + spec.statistic + (spec.weigh == WeighBy::number ? " by number" : "");
     }
     return "";
 }
 
-std::string suffix_of_statistic(const Case& asked) {
-    return asked.quantity == Quantity::distribution ? suffix_of(asked) : "";
+std::string suffix_of_statistic(const Case& spec) {
+    return spec.quantity == Quantity::distribution ? suffix_of(spec) : "";
 }
 
 std::string name_of(const Case& c) {

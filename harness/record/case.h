@@ -65,21 +65,21 @@ struct Case {
 
 // Returns the identity of a case: the hash of the two shapes and of the columns that columns.h marks as part of the
 // identity.
-std::string identify(const Case& asked);
+std::string identify(const Case& spec);
 
 // Returns the solver's name for display: "guthe", or "guthe(samples=8)" if the experiment sweeps a parameter.
-std::string shown(const Case& asked);
+std::string shown(const Case& spec);
 
 // Returns the parameters of `one` that are not the same in all of `swept`, as text: "samples=8, seed=1".
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
 // Returns the suffix that shows the quantity in a scene's name: ", H", ", depth" or ", mean"; empty for h(A,B).
-std::string suffix_of(const Case& asked);
+std::string suffix_of(const Case& spec);
 
 // Returns the same for a statistic; empty for other quantities.
-std::string suffix_of_statistic(const Case& asked);
+std::string suffix_of_statistic(const Case& spec);
 
 // Returns a readable name: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
-std::string name_of(const Case& asked);
+std::string name_of(const Case& spec);
 
 }  // namespace hausbench

@@ -75,8 +75,8 @@ const Columns<Case>& case_columns() {
         COLUMN(pose_index, "number of the pose, from 0"),
         {"tolerance_absolute", "the tolerance as a length; NaN if its unit is `lower`",
          Column<Entry>::Real{1,
-                             [](const Case& asked, double* out) {
-                                 const Tolerance t = asked.resolved_tolerance();
+                             [](const Case& spec, double* out) {
+                                 const Tolerance t = spec.resolved_tolerance();
                                  *out = t.of == Tolerance::Of::absolute ? t.value : unknown;
                              },
                              nullptr}},

@@ -19,7 +19,7 @@ template <> inline constexpr int count_of<Field::Meaning> = 3;
 
 // One row of /cases or /references in a result file.
 struct Row {
-    Case asked;
+    Case spec;  // what was asked
     Outcome outcome;
     Check check;
     Fields fields = {};                     // empty unless the experiment asks for them

@@ -67,7 +67,7 @@ std::vector<Row> read_answers(const h5::File& file, const std::string& group,
                               const std::set<std::string>* only = nullptr) {
     std::vector<Row> rows(file.read_texts(group + "/identity").size());
     read_columns(
-        file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; }, only);
+        file, group, case_columns(), rows, [](Row& r) -> Case& { return r.spec; }, only);
     read_columns(
         file, group, outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; }, only);
     read_columns(
@@ -217,7 +217,7 @@ void read_times(const h5::File& in, ResultFile& result) {
 
 void set_profiles(std::vector<Row>& rows, const ResultFile& result) {
     for (Row& row : rows)
-        if (row.asked.profile.empty()) row.asked.profile = result.texts.at("profile");
+        if (row.spec.profile.empty()) row.spec.profile = result.texts.at("profile");
 }
 
 ResultFile read_part_trusting(const fs::path& file, const ResultPart& part) {
@@ -248,8 +248,8 @@ ResultFile read_trusting(const fs::path& file) {
     for (auto* rows : {&result.rows, &result.references}) {
         set_profiles(*rows, result);
         for (Row& row : *rows) {
-            for (auto [name, hash] : {std::pair(&row.asked.source, &row.asked.source_hash),
-                                      std::pair(&row.asked.target, &row.asked.target_hash)}) {
+            for (auto [name, hash] : {std::pair(&row.spec.source, &row.spec.source_hash),
+                                      std::pair(&row.spec.target, &row.spec.target_hash)}) {
                 if (const auto at = hashes.find(*name); at != hashes.end()) *hash = at->second;
             }
         }

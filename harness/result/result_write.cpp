@@ -40,7 +40,7 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
 
 // Writes the columns that /cases and /references share.
 void write_answers(h5::File& file, const std::string& group, const std::vector<Row>& rows) {
-    write_columns(file, group, case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
+    write_columns(file, group, case_columns(), rows, [](const Row& r) -> const Case& { return r.spec; });
     write_columns(file, group, outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
     write_columns(file, group, check_columns(), rows, [](const Row& r) -> const Check& { return r.check; });
 }

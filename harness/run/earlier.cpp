@@ -57,11 +57,11 @@ public:
     }
 
     std::vector<std::string> keep() {
-        const std::size_t asked = result_.rows.size();
-        for (std::size_t i = 0; i < asked; ++i) places_.push_back(plan_.whole ? i : before_.rows.size() + i);
+        const std::size_t requested = result_.rows.size();
+        for (std::size_t i = 0; i < requested; ++i) places_.push_back(plan_.whole ? i : before_.rows.size() + i);
         decide_profiles();
         for (std::size_t i = 0; i < before_.rows.size(); ++i) {
-            place_ = plan_.whole ? asked + i : i;
+            place_ = plan_.whole ? requested + i : i;
             keep(std::move(before_.rows[i]));
         }
         for (ModelRecord& model : before_.models) {
@@ -83,10 +83,10 @@ private:
         using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose; statistics have no references
         const auto place_of = [](const Case& c) { return Place(c.scene, c.quantity, c.pose_index); };
         std::set<Place> wanted;
-        for (const Row& row : result_.rows) wanted.insert(place_of(row.asked));
-        for (const Row& one : result_.references) wanted.erase(place_of(one.asked));
+        for (const Row& row : result_.rows) wanted.insert(place_of(row.spec));
+        for (const Row& one : result_.references) wanted.erase(place_of(one.spec));
         for (Row& one : before_.references)
-            if (wanted.contains(place_of(one.asked))) result_.references.push_back(std::move(one));
+            if (wanted.contains(place_of(one.spec))) result_.references.push_back(std::move(one));
     }
 
     // Returns whether an interrupted run ended before it reached this row.
@@ -101,18 +101,18 @@ private:
     // does not replace. A profile that can no longer be read requests nothing; a run in that profile reports the error.
     void decide_profiles() {
         for (const Row& row : before_.rows) {
-            for (const std::string& profile : uncovered(row.asked)) {
+            for (const std::string& profile : uncovered(row.spec)) {
                 if (asked_.contains(profile)) continue;
-                Asked& asked = asked_[profile];
+                Asked& requested = asked_[profile];
                 try {
                     const Experiment experiment =
                         profile == now_ ? plan_.experiment : in_profile(plan_.experiment, profile);
                     AskedCases found = cases_as_recorded(experiment, recorded_, shapes_of_(experiment));
                     for (Case& c : found.cases) {
                         CaseKey k = key_of(c);
-                        asked.cases.emplace(std::move(k), std::move(c));
+                        requested.cases.emplace(std::move(k), std::move(c));
                     }
-                    asked.unknown = std::move(found.unknown);
+                    requested.unknown = std::move(found.unknown);
                 } catch (const InputError&) {
                 }
             }
@@ -128,14 +128,14 @@ private:
 
     // Keeps or drops an earlier row by the rules of keep_earlier().
     void keep(Row row) {
-        Case& c = row.asked;
+        Case& c = row.spec;
         const auto at = rows_.find(key_of(c));
         if (at != rows_.end() && !plan_.whole) places_[at->second] = place_;
         if (at != rows_.end() && awaits(result_.rows[at->second]) && !awaits(row)) {
-            Row& asked = result_.rows[at->second];
-            asked.outcome = std::move(row.outcome);
-            asked.check = row.check;
-            asked.fields = std::move(row.fields);
+            Row& replaced = result_.rows[at->second];
+            replaced.outcome = std::move(row.outcome);
+            replaced.check = row.check;
+            replaced.fields = std::move(row.fields);
             ++not_replaced_;
         }
         std::set<std::string> profiles = uncovered(c);
@@ -148,17 +148,17 @@ private:
         }
         const Case* today = nullptr;
         std::erase_if(profiles, [&](const std::string& profile) {
-            const Asked& asked = asked_.at(profile);
-            const auto found = asked.cases.find(key_of(c));
-            if (found != asked.cases.end()) today = &found->second;
-            return found == asked.cases.end() && !asked.unknown.contains(c.scene);
+            const Asked& requested = asked_.at(profile);
+            const auto found = requested.cases.find(key_of(c));
+            if (found != requested.cases.end()) today = &found->second;
+            return found == requested.cases.end() && !requested.unknown.contains(c.scene);
         });
         if (profiles.empty()) {
             ++gone_;
             return;
         }
         if (at != rows_.end()) {
-            std::string& both = result_.rows[at->second].asked.profile;
+            std::string& both = result_.rows[at->second].spec.profile;
             both = joined_profiles(both, joined_profiles(profiles));
             return;
         }

@@ -37,9 +37,9 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
       journal_(made_folder(folder) / (name + ".journal"), start_over && plan.whole),
       fields_(folder / (name + ".fields")) {
     if (start_over) {
-        std::set<std::string> asked;
-        for (const Case& one : plan.cases) asked.insert(one.identity);
-        journal_.forget(asked);
+        std::set<std::string> requested;
+        for (const Case& one : plan.cases) requested.insert(one.identity);
+        journal_.forget(requested);
         for (std::size_t row = 0; row < plan.cases.size(); ++row) {
             if (const auto file = fields_file(row); !file.empty()) std::filesystem::remove(file);
         }
@@ -142,14 +142,14 @@ const Outcome* Finished::kept(std::size_t row, int round) const {
 }
 
 bool Finished::traces_chain(std::size_t row) const {
-    const Case& asked = plan_.cases[row];
-    return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.can(Ability::traces);
+    const Case& spec = plan_.cases[row];
+    return spec.warm && plan_.experiment.trace && find_solver(spec.solver).info.can(Ability::traces);
 }
 
 std::filesystem::path Finished::fields_file(std::size_t row) const {
-    const Case& asked = plan_.cases[row];
-    if (!plan_.experiment.fields || is_surface(asked.source) || is_surface(asked.target)) return {};
-    return fields_ / (asked.identity + ".bin");
+    const Case& spec = plan_.cases[row];
+    if (!plan_.experiment.fields || is_surface(spec.source) || is_surface(spec.target)) return {};
+    return fields_ / (spec.identity + ".bin");
 }
 
 bool Finished::is_surface(const std::string& name) const {

@@ -16,7 +16,7 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
     std::map<std::string, double> saved;
     for (const Row& row : rows) {
         if (!row.outcome.from_trace || !std::isfinite(row.outcome.solve_seconds)) continue;
-        saved[fmt::format("{} on {}{}", shown(row.asked), row.asked.scene, suffix_of_statistic(row.asked))] +=
+        saved[fmt::format("{} on {}{}", shown(row.spec), row.spec.scene, suffix_of_statistic(row.spec))] +=
             row.outcome.solve_seconds * e.rounds * (1 + e.repeats);
     }
     for (LedgerEntry& entry : ledger) {

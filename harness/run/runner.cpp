@@ -219,8 +219,8 @@ private:
         std::map<RowStatus, std::size_t> statuses;
         while (!places.empty() && !HoldInterrupts::came()) {
             std::set<std::size_t> ended;
-            WorkOrder asked = order(job, round, places);
-            asked.cores = cores;
+            WorkOrder work = order(job, round, places);
+            work.cores = cores;
             lock.unlock();
             Supervision report;
             report.prepared = [&](const std::vector<std::string>& left_out) {
@@ -235,7 +235,7 @@ private:
                 ended.insert(row);
             };
             report.interrupted = HoldInterrupts::came;
-            supervise(asked, report, worker);
+            supervise(work, report, worker);
             lock.lock();
             std::erase_if(places, [&](std::size_t place) { return ended.contains(job.cases[place]); });
         }
@@ -273,12 +273,12 @@ private:
         for (std::size_t place : places) {
             while (place >= pair_end) pair_end += job.pairs[++pair].cases;
             const std::size_t row = job.cases[place];
-            const Case& asked = plan_.cases[row];
-            if (!asked.warm || asked.chain.empty()) ++chain;
+            const Case& spec = plan_.cases[row];
+            if (!spec.warm || spec.chain.empty()) ++chain;
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace &&
-                                (asked.warm || !marks.empty() || find_solver(asked.solver).info.can(Ability::traces));
-            order.items.push_back({row, pair, chain, asked.warm, query_of(asked), traced, marks,
+                                (spec.warm || !marks.empty() || find_solver(spec.solver).info.can(Ability::traces));
+            order.items.push_back({row, pair, chain, spec.warm, query_of(spec), traced, marks,
                                    round == 0 ? finished_.fields_file(row) : std::filesystem::path(),
                                    round == 0 && plan_.experiment.stages});
             WorkOrder::Item& item = order.items.back();
@@ -288,7 +288,7 @@ private:
                 item.query.cutoff = finished_.kept(row, 0)->cutoff_used;
                 continue;
             }
-            if (asked.chain.empty() || search == 0) ++search;
+            if (spec.chain.empty() || search == 0) ++search;
             item.search = search;
             if (search == 1) item.narrow(least);
         }
@@ -361,10 +361,10 @@ private:
     void note_unsound(const std::vector<Row>& rows, RunSummary& summary) const {
         for (const Row& row : rows) {
             if (row.outcome.status != RowStatus::unsound) continue;
-            if (unsound_expected(row.asked, plan_.experiment))
+            if (unsound_expected(row.spec, plan_.experiment))
                 ++summary.unsound_expected;
             else
-                summary.unsound.push_back(fmt::format("{}: {}", name_of(row.asked), row.outcome.reason));
+                summary.unsound.push_back(fmt::format("{}: {}", name_of(row.spec), row.outcome.reason));
         }
     }
 

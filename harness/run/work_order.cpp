@@ -23,20 +23,20 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quer
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
                                    build, items, plugins)
 
-Query query_of(const Case& asked) {
+Query query_of(const Case& spec) {
     Query query;
-    query.quantity = asked.quantity;
-    if (!asked.statistic.empty()) query.statistics = {statistic_of(asked.statistic)};
-    query.weigh = asked.weigh;
-    query.share_tolerance = asked.tolerance;
-    query.source_pose = asked.pose;
-    query.target_pose = asked.target_pose;
-    query.tolerance = asked.resolved_tolerance();
-    query.floor = asked.floor;
-    query.cutoff = asked.cutoff;
-    if (asked.budget >= 0) query.budget = std::uint64_t(asked.budget);
-    query.threads = asked.threads;
-    query.time_limit = asked.limits.case_seconds;
+    query.quantity = spec.quantity;
+    if (!spec.statistic.empty()) query.statistics = {statistic_of(spec.statistic)};
+    query.weigh = spec.weigh;
+    query.share_tolerance = spec.tolerance;
+    query.source_pose = spec.pose;
+    query.target_pose = spec.target_pose;
+    query.tolerance = spec.resolved_tolerance();
+    query.floor = spec.floor;
+    query.cutoff = spec.cutoff;
+    if (spec.budget >= 0) query.budget = std::uint64_t(spec.budget);
+    query.threads = spec.threads;
+    query.time_limit = spec.limits.case_seconds;
     return query;
 }
 

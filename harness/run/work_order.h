@@ -61,7 +61,7 @@ struct WorkOrder {
 };
 
 // Returns the query of a case.
-Query query_of(const Case& asked);
+Query query_of(const Case& spec);
 
 // Convert a work order to bytes and back. The format is CBOR, because JSON cannot hold infinities.
 std::string packed(const WorkOrder& order);

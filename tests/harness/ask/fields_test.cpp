@@ -724,10 +724,10 @@ TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
 
 TEST_F(CheckFields, AnUnsoundFieldMakesItsRowUnsound) {
     Row row;
-    row.asked.source = "a";
-    row.asked.target = "b";
-    row.asked.pose = pose;
-    row.asked.target_pose = target_pose;
+    row.spec.source = "a";
+    row.spec.target = "b";
+    row.spec.pose = pose;
+    row.spec.target_pose = target_pose;
     row.outcome.status = RowStatus::ok;
     row.outcome.bounds = {0, infinity};
     row.fields = fields;
@@ -736,8 +736,8 @@ TEST_F(CheckFields, AnUnsoundFieldMakesItsRowUnsound) {
     std::vector<Row> rows = {row, row, row, row};
     rows[1].fields[0].values[0] = 6;
     rows[2].fields = rows[3].fields = rounded;
-    rows[2].asked.certified = 0;
-    rows[3].asked.certified = 1;
+    rows[2].spec.certified = 0;
+    rows[3].spec.certified = 1;
     verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
     EXPECT_EQ(rows[0].check.fields, Verdict::holds);
     EXPECT_EQ(rows[0].outcome.status, RowStatus::ok);

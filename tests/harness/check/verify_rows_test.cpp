@@ -27,8 +27,8 @@ PointSet point(double x, double y, double z) {
 
 Row answer(double lower, double upper, const Vec3& witness) {
     Row row;
-    row.asked.source = "a";
-    row.asked.target = "b";
+    row.spec.source = "a";
+    row.spec.target = "b";
     row.outcome.status = RowStatus::ok;
     row.outcome.solver_status = "converged";
     row.outcome.bounds = {lower, upper};
@@ -82,11 +82,11 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
     const Vec3 p(0.25, 0.25, 2), nowhere = Vec3::Constant(unknown);
     for (Row* row : {&(rows = {answer(3, 3, nowhere), answer(0, 1, nowhere), answer(1, 2.5, nowhere)}).front(),
                      &rows[1], &rows[2]}) {
-        row->asked.source_hash = "a", row->asked.target_hash = "b";
+        row->spec.source_hash = "a", row->spec.target_hash = "b";
     }
     Row reference = answer(2, 2, p);
-    reference.asked.source_hash = "a", reference.asked.target_hash = "b";
-    reference.asked.certified = 1;
+    reference.spec.source_hash = "a", reference.spec.target_hash = "b";
+    reference.spec.certified = 1;
     reference.is_reference = true;
     std::vector<Row> references = {reference};
     const auto check = [&] { verify_rows(rows, references, [this](const std::string& name) { return load(name); }); };
@@ -116,9 +116,9 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
 TEST_F(VerifyRows, StoppedItSaysNothingOfWhatIsLeft) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(3, 3, p), answer(2, 2, p)};
-    int asked = 0;
-    verify([&] { return ++asked > 50; });
-    EXPECT_EQ(asked,
+    int spec = 0;
+    verify([&] { return ++spec > 50; });
+    EXPECT_EQ(spec,
               53);  // 51 calls until it stops in the first row, one for the row's upper bound, one before the next row
     for (const Row& row : rows) {
         EXPECT_EQ(row.check.lower, Verdict::not_checked);
@@ -139,8 +139,8 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
 TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(2, 2, p), answer(1, 1.5, p), answer(99, 100, p), answer(99, 100, p)};
-    rows[2].asked.pose.translation = Vec3(7, 0, 0);  // no new row has that pose
-    rows[3].asked.pose = rows[2].asked.pose;
+    rows[2].spec.pose.translation = Vec3(7, 0, 0);  // no new row has that pose
+    rows[3].spec.pose = rows[2].spec.pose;
     for (std::size_t i = 1; i < rows.size(); ++i) rows[i].check = {Verdict::holds, Verdict::holds, ""};
     rows[3].check.lower = Verdict::unsound;
     rows[3].outcome.status = RowStatus::unsound;
@@ -160,7 +160,7 @@ TEST_F(VerifyRows, WhatWasCheckedBeforeIsCheckedAgainWhereItMatters) {
     const Check held{Verdict::holds, Verdict::holds, "", Verdict::holds};
     const auto moved = [](double up, const Check& check) {  // a row with wrong bounds at a pose of its own
         Row row = answer(99, 100, {0.25, 0.25, 2 + up});
-        row.asked.pose.translation = {0, 0, up};
+        row.spec.pose.translation = {0, 0, up};
         row.check = check;
         row.fields = {{"alone", Field::Of::vertices, Field::Meaning::number, {1}}};
         return row;
@@ -215,13 +215,13 @@ protected:
     static Row from_a(double lower, double upper) { return answer(lower, upper, Vec3::Zero()); }
     static Row from_b(double lower, double upper) {
         Row row = answer(lower, upper, {5, 0, 0});
-        std::swap(row.asked.source, row.asked.target);
+        std::swap(row.spec.source, row.spec.target);
         row.outcome.witness.source_element = 1;
         return row;
     }
     static Row symmetric(double lower, double upper) {
         Row row = answer(lower, upper, Vec3::Zero());
-        row.asked.quantity = Quantity::symmetric;
+        row.spec.quantity = Quantity::symmetric;
         row.outcome.witness.target_point = {5, 0, 0};
         row.outcome.witness.target_element = 1;
         row.outcome.witness.direction = Witness::Direction::target_to_source;
@@ -252,7 +252,7 @@ TEST_F(VerifyBothDirections, AWitnessOnBShowsTheSymmetricDistance) {
     EXPECT_EQ(lower(0), Verdict::unsound);
     // In a row of h(A,B) the witness must be on A, even if the row says that it is on B.
     rows = {symmetric(5, 5)};
-    rows[0].asked.quantity = Quantity::directed;
+    rows[0].spec.quantity = Quantity::directed;
     verify();
     EXPECT_EQ(lower(0), Verdict::unsound);
 }
@@ -274,7 +274,7 @@ TEST_F(VerifyBothDirections, EachDirectedDistanceRefutesTheSymmetricOneAndNotThe
     EXPECT_EQ(upper(3), Verdict::unsound);
     // The swapped scene has the same symmetric distance.
     rows = {from_b(5, 5), symmetric(0, 4)};
-    std::swap(rows[1].asked.source, rows[1].asked.target);
+    std::swap(rows[1].spec.source, rows[1].spec.target);
     verify();
     EXPECT_EQ(upper(1), Verdict::unsound);
     // h(A,B) = 3 also refutes an upper bound of 2 on H.
@@ -292,17 +292,17 @@ TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
     };
     // An upper bound on h(A,B) says nothing about H.
     rows = {from_a(0, 0), bare(symmetric(5, 6))};
-    rows[0].asked.certified = 1;
+    rows[0].spec.certified = 1;
     verify();
     EXPECT_EQ(lower(1), Verdict::no_witness);
     // An upper bound on H also bounds both directed distances.
     rows = {symmetric(5, 5), bare(from_a(6, 7)), bare(from_b(6, 7)), bare(symmetric(6, 7))};
-    rows[0].asked.certified = 1;
+    rows[0].spec.certified = 1;
     verify();
     for (std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lower(i), Verdict::unsound) << i;
     // A refuted row refutes no other row.
     rows = {symmetric(0, 4), bare(from_b(4.5, 7)), from_b(5, 5)};
-    rows[0].asked.certified = 1;
+    rows[0].spec.certified = 1;
     verify();
     EXPECT_EQ(upper(0), Verdict::unsound);
     EXPECT_EQ(lower(1), Verdict::no_witness);
@@ -311,7 +311,7 @@ TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
 TEST_F(VerifyBothDirections, BothShapesArePosed) {
     // B is raised by 2: h(A,B) = 2, and B's far point is sqrt(29) away from A.
     const auto raised = [](Row row) {
-        row.asked.target_pose.translation = Vec3(0, 0, 2);
+        row.spec.target_pose.translation = Vec3(0, 0, 2);
         return row;
     };
     rows = {raised(from_a(2, 2)), from_a(0, 0), raised(from_a(std::nextafter(2.0, 3.0), 3)),
@@ -325,7 +325,7 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     EXPECT_EQ(lower(3), Verdict::holds);
     // The swapped scene is the same if its poses are swapped too.
     Row turned = from_b(5.25, 5.5);
-    turned.asked.pose.translation = Vec3(0, 0, 2);
+    turned.spec.pose.translation = Vec3(0, 0, 2);
     turned.outcome.witness.source_point = {5, 0, 2};
     rows = {turned, raised(symmetric(0, 5)), symmetric(0, 5)};
     verify();
@@ -334,8 +334,8 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     EXPECT_EQ(upper(2), Verdict::holds);
     // A pose beyond the range of doubles leaves nothing to check.
     rows = {from_a(2, 2)};
-    rows[0].asked.target_pose.rotation *= 1e308;
-    rows[0].asked.target_pose.translation = Vec3::Constant(1e308);
+    rows[0].spec.target_pose.rotation *= 1e308;
+    rows[0].spec.target_pose.translation = Vec3::Constant(1e308);
     verify();
     EXPECT_EQ(lower(0), Verdict::not_checked);
 }
@@ -397,9 +397,9 @@ protected:
             row.outcome.witness.source_element = i;
         }
         row.outcome.bounds.lower = row.outcome.bounds.upper = std::sqrt(largest);
-        row.asked.pose = s.source_pose;
-        row.asked.target_pose = s.target_pose;
-        row.asked.certified = 0;
+        row.spec.pose = s.source_pose;
+        row.spec.target_pose = s.target_pose;
+        row.spec.certified = 0;
         return row;
     }
 
@@ -414,7 +414,7 @@ protected:
     static std::vector<Row> rows_of(const Scene& s) {
         std::vector<Row> rows(4, honest_answer(s));
         const double error = 100 * 84 * 0x1p-53 * s.largest;
-        rows[1].asked.certified = 1;
+        rows[1].spec.certified = 1;
         rows[2].outcome.bounds.lower += error, rows[2].outcome.bounds.upper += 2 * error;
         rows[3].outcome.bounds.upper -= error;
         rows[3].outcome.bounds.lower = 0;
@@ -443,8 +443,8 @@ TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     const TriangleMesh mesh{(Points(3, 3) << 0.1, 0.2, 0.3, 0.7, 0.4, 0.1, 0.2, 0.9, 0.6).finished(),
                             (Triangles(1, 3) << 0, 1, 2).finished()};
     Row row;
-    row.asked.source = "a", row.asked.target = "b";
-    row.asked.certified = 0;
+    row.spec.source = "a", row.spec.target = "b";
+    row.spec.certified = 0;
     row.outcome.bounds = {1e-16, 1e-16};
     row.outcome.witness.source_point = row.outcome.witness.target_point =
         Vec3(0.1, 0.2, 0.3) + Vec3(1e-16, -1e-16, 1e-16);
@@ -497,7 +497,7 @@ TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row off = honest_answer(s), proven = off;
     off.outcome.bounds.lower = off.outcome.bounds.upper = std::nextafter(2.0, 3.0);
-    proven.asked.certified = 1;
+    proven.spec.certified = 1;
     const std::vector<Row> rows = verified(s, {off, proven});
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);
     EXPECT_EQ(rows[1].check.upper, Verdict::holds) << rows[1].check.reason;
@@ -510,17 +510,17 @@ TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
 TEST_F(VerifyUncertified, AnUpperBoundMayBeRoundedDown) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row off = honest_answer(s), proven = off;
-    proven.asked.certified = 1;
+    proven.spec.certified = 1;
     off.outcome.bounds.upper = std::nextafter(2.0, 1.0);  // even below its own lower bound
     EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::holds);
-    off.asked.certified = 1;
+    off.spec.certified = 1;
     EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::unsound);
 }
 
 TEST_F(VerifyUncertified, AnExcessIsSaidInUlps) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row row = honest_answer(s);
-    row.asked.certified = 1;
+    row.spec.certified = 1;
     row.outcome.bounds = {std::nextafter(2.0, 3.0), 3};
     EXPECT_NE(verified(s, {row})[0].check.reason.find("(1 ulp)"), std::string::npos);
     row.outcome.bounds.lower = 2.5;
@@ -530,7 +530,7 @@ TEST_F(VerifyUncertified, AnExcessIsSaidInUlps) {
 TEST_F(VerifyUncertified, WithoutAWitnessToo) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row proven = honest_answer(s), without = proven;
-    proven.asked.certified = 1;
+    proven.spec.certified = 1;
     without.outcome.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
     without.outcome.bounds.lower = without.outcome.bounds.upper = std::nextafter(2.0, 3.0);
     EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::no_witness);
@@ -541,10 +541,10 @@ TEST_F(VerifyUncertified, WithoutAWitnessToo) {
 // Returns a row that does not contradict itself.
 Row honest() {
     Row row = answer(1, 1.5, Vec3(0, 0, 0));
-    row.asked.source_hash = "aa", row.asked.target_hash = "bb";
-    row.asked.tolerance_of = "absolute";
-    row.asked.tolerance = 0.5;
-    row.asked.identity = identify(row.asked);
+    row.spec.source_hash = "aa", row.spec.target_hash = "bb";
+    row.spec.tolerance_of = "absolute";
+    row.spec.tolerance = 0.5;
+    row.spec.identity = identify(row.spec);
     row.outcome.witness.target_element = 99;
     return row;
 }
@@ -564,33 +564,33 @@ TEST_F(VerifyRows, ARowThatContradictsItselfIsNoticed) {
     expects([](Row& r) { r.outcome.bounds.lower = 0; }, "not within the tolerance");
     expects([&](Row& r) { r.outcome.bounds.lower = nan; }, "not a number");
     expects([&](Row& r) { r.outcome.bounds.upper = nan, r.outcome.solver_status = ""; }, "not a number");
-    expects([](Row& r) { r.asked.source_hash = ""; }, "does not list its model 'a'");
-    expects([](Row& r) { r.asked.target_hash = ""; }, "does not list its model 'b'");
+    expects([](Row& r) { r.spec.source_hash = ""; }, "does not list its model 'a'");
+    expects([](Row& r) { r.spec.target_hash = ""; }, "does not list its model 'b'");
     for (const auto change :
-         {+[](Row& r) { r.asked.tolerance = 0.6; }, +[](Row& r) { r.asked.pose.translation.x() = 1; },
-          +[](Row& r) { r.asked.target_hash = "cc"; }, +[](Row& r) { r.asked.limits.case_seconds = 1; },
+         {+[](Row& r) { r.spec.tolerance = 0.6; }, +[](Row& r) { r.spec.pose.translation.x() = 1; },
+          +[](Row& r) { r.spec.target_hash = "cc"; }, +[](Row& r) { r.spec.limits.case_seconds = 1; },
           +[](Row& r) {
-              r.asked.options = {{"seed", std::int64_t(1)}};
+              r.spec.options = {{"seed", std::int64_t(1)}};
           }})
         expects(change, "its identity");
     // A gap above the tolerance is allowed if the bounds decide the floor or the cutoff, or if the status is not `ok`.
     EXPECT_EQ(says([](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = 7; }), "");
     EXPECT_EQ(says([&](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = nan; }), "");
-    const auto asked = [](Row& r, double floor, double cutoff) {
-        r.asked.floor = floor, r.asked.cutoff = cutoff;
-        r.asked.identity = identify(r.asked);
+    const auto spec = [](Row& r, double floor, double cutoff) {
+        r.spec.floor = floor, r.spec.cutoff = cutoff;
+        r.spec.identity = identify(r.spec);
         r.outcome.bounds = {1, 3};
     };
-    EXPECT_EQ(says([&](Row& r) { asked(r, 3, 9); }), "");
-    EXPECT_EQ(says([&](Row& r) { asked(r, 0, 0.5); }), "");
+    EXPECT_EQ(says([&](Row& r) { spec(r, 3, 9); }), "");
+    EXPECT_EQ(says([&](Row& r) { spec(r, 0, 0.5); }), "");
     EXPECT_EQ(says([&](Row& r) {
-                  r.asked.chain = "the target before it in a search";
-                  asked(r, 0, 9), r.outcome.cutoff_used = 0.5;
+                  r.spec.chain = "the target before it in a search";
+                  spec(r, 0, 9), r.outcome.cutoff_used = 0.5;
               }),
               "");
-    expects([&](Row& r) { asked(r, 0, 9), r.outcome.cutoff_used = 0.5; }, "in no search");
+    expects([&](Row& r) { spec(r, 0, 9), r.outcome.cutoff_used = 0.5; }, "in no search");
     expects([&](Row& r) { r.outcome.status = RowStatus::budget; }, "its solver ended with converged");
-    expects([&](Row& r) { asked(r, 2, 2); }, "not within");
+    expects([&](Row& r) { spec(r, 2, 2); }, "not within");
 }
 
 TEST_F(VerifyRows, AWitnessNamesAnElementThatThereIs) {

@@ -168,11 +168,11 @@ TEST(VerifyStatistics, TheLargestDistanceIsCheckedByItsWitness) {
             Trace untraced;
             const Result result = session.solve(query, untraced);
             Row row;
-            row.asked.source = "a";
-            row.asked.target = "b";
-            row.asked.quantity = query.quantity;
-            row.asked.statistic = to_string(query.statistics[0]);
-            row.asked.certified = 1;
+            row.spec.source = "a";
+            row.spec.target = "b";
+            row.spec.quantity = query.quantity;
+            row.spec.statistic = to_string(query.statistics[0]);
+            row.spec.certified = 1;
             row.outcome.bounds = result.statistics[0];
             row.outcome.witness = result.witness;
             of_target += result.witness.direction == Witness::Direction::target_to_source;
@@ -180,9 +180,9 @@ TEST(VerifyStatistics, TheLargestDistanceIsCheckedByItsWitness) {
             Bounds& larger = rows[1].outcome.bounds;
             larger.lower = larger.upper = std::max(larger.upper * (1 + 1e-12), next_up(larger.upper));
             verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
-            EXPECT_EQ(rows[0].check.lower, Verdict::holds) << row.asked.statistic << ": " << rows[0].check.reason;
-            EXPECT_EQ(rows[0].check.upper, Verdict::holds) << row.asked.statistic << ": " << rows[0].check.reason;
-            EXPECT_EQ(rows[1].check.lower, Verdict::unsound) << row.asked.statistic;
+            EXPECT_EQ(rows[0].check.lower, Verdict::holds) << row.spec.statistic << ": " << rows[0].check.reason;
+            EXPECT_EQ(rows[0].check.upper, Verdict::holds) << row.spec.statistic << ": " << rows[0].check.reason;
+            EXPECT_EQ(rows[1].check.lower, Verdict::unsound) << row.spec.statistic;
         }
     }
     EXPECT_GT(of_target, 5);

@@ -27,13 +27,13 @@ namespace {
 Row row(const std::string& label, const std::string& scene, double lower, double upper,
         const std::string& variant = "") {
     Row row;
-    row.asked.solver = row.asked.label = label;
-    row.asked.variant = variant;
-    row.asked.scene = scene;
-    row.asked.source = row.asked.target = "model";
-    row.asked.tolerance = 0.001;
-    row.asked.tolerance_of = "diagonal";
-    row.asked.profile = "quick";
+    row.spec.solver = row.spec.label = label;
+    row.spec.variant = variant;
+    row.spec.scene = scene;
+    row.spec.source = row.spec.target = "model";
+    row.spec.tolerance = 0.001;
+    row.spec.tolerance_of = "diagonal";
+    row.spec.profile = "quick";
     row.outcome.status = RowStatus::ok;
     row.outcome.bounds = {lower, upper};
     row.outcome.clock = "cpu";
@@ -156,7 +156,7 @@ TEST(Show, BoundsHoldAsShown) {
 
 TEST(Show, ChoosesBySolverSceneAndColumn) {
     Row late = row("guthe", "b", 1, 2, "samples=8");
-    late.asked.pose_index = 3;
+    late.spec.pose_index = 3;
     late.outcome.status = RowStatus::timeout;
     const ResultFile result = result_of({row("guthe", "a", 1, 2, "samples=4"), late, row("cgal", "a", 1, 1.5)});
     using Rows = std::vector<std::size_t>;
@@ -175,7 +175,7 @@ TEST(Show, ChoosesBySolverSceneAndColumn) {
 
 TEST(Show, ChoosesProfilesThatShareARowAndWhatIsNotANumber) {
     Row both = row("guthe", "a", unknown, unknown);
-    both.asked.profile = "paper,quick";
+    both.spec.profile = "paper,quick";
     const ResultFile result = result_of({row("guthe", "a", 1, 2), both});
     using Rows = std::vector<std::size_t>;
     EXPECT_EQ(chosen_rows(result, {{}, {}, {"profile=quick"}}), (Rows{0, 1}));
@@ -334,8 +334,7 @@ TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
     const auto two = [&](auto change) {
         ResultFile base = result_of(rows([](Outcome&) {})), candidate = result_of(rows(change));
         for (ResultFile* result : {&base, &candidate}) result->texts["build"] = result->texts["machine"] = "";
-        for (std::size_t i : {0u, 1u})
-            base.rows[i].asked.identity = candidate.rows[i].asked.identity = std::to_string(i);
+        for (std::size_t i : {0u, 1u}) base.rows[i].spec.identity = candidate.rows[i].spec.identity = std::to_string(i);
         return compare_results(base, candidate);
     };
     EXPECT_EQ(two([](Outcome& o) { o.build = "another"; }).find("without a ratio"), std::string::npos);
@@ -384,13 +383,13 @@ TEST(Compare, PosesArePairedByTheirNumbers) {
     for (const char* label : {"ohd", "scan"}) {
         for (int i : {0, 1}) {
             rows.push_back(row(label, "a", 1, 2));
-            rows.back().asked.pose_index = label[0] == 'o' ? i : 1 - i;
-            rows.back().asked.pose.translation.x() = i;
+            rows.back().spec.pose_index = label[0] == 'o' ? i : 1 - i;
+            rows.back().spec.pose.translation.x() = i;
             rows.back().outcome.bounds = {1.0 + i, 1.5 + i};
         }
     }
     EXPECT_NE(compare_solvers(result_of(rows), "ohd", "scan", {}).find("all 2 overlap"), std::string::npos);
-    rows.back().asked.pose.translation.x() = 7;
+    rows.back().spec.pose.translation.x() = 7;
     EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "1 pairs");
 }
 
@@ -399,11 +398,11 @@ TEST(Compare, RowsOfDifferentProfilesAreNoPair) {
     for (const char* label : {"ohd", "scan"}) {
         for (const char* profile : {"quick", "paper"}) {
             rows.push_back(row(label, "a", 1, 2));
-            rows.back().asked.profile = profile;
+            rows.back().spec.profile = profile;
         }
     }
     EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "2 pairs");
-    rows[3].asked.profile = "paper,quick";
+    rows[3].spec.profile = "paper,quick";
     EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "3 pairs");
 }
 
@@ -491,11 +490,11 @@ TEST(Show, ReadsEveryColumnThatItShows) {
     const std::string before = shown();
     Row& last = result.rows.back();
     const auto same = [&](std::string_view column) { EXPECT_EQ(shown(), before) << column; };
-    change_others(case_columns(), shown_part().columns, last.asked, same);
+    change_others(case_columns(), shown_part().columns, last.spec, same);
     change_others(outcome_columns(), shown_part().columns, last.outcome, same);
     change_others(check_columns(), shown_part().columns, last.check, same);
     change_others(row_columns(), shown_part().columns, last, same);
-    last.asked.tolerance = 1;
+    last.spec.tolerance = 1;
     EXPECT_NE(shown(), before);
 }
 
@@ -510,7 +509,7 @@ TEST(Compare, ReadsEveryColumnThatItComparesBy) {
     const std::string before = compared();
     const auto same = [&](std::string_view column) { EXPECT_EQ(compared(), before) << column; };
     Row& last = result.rows.back();
-    change_others(case_columns(), compared_part().columns, last.asked, same);
+    change_others(case_columns(), compared_part().columns, last.spec, same);
     change_others(outcome_columns(), compared_part().columns, last.outcome, same);
     change_others(check_columns(), compared_part().columns, last.check, same);
     change_others(row_columns(), compared_part().columns, last, same);
@@ -529,13 +528,13 @@ TEST(Compare, CountsTheRowsOfOtherShapes) {
     ResultFile base = result_of({row("guthe", "a", 1, 2), row("guthe", "b", 1, 2), row("guthe", "c", 1, 2)});
     base.texts.insert({{"build", ""}, {"machine", ""}});
     for (const char* name : {"kept", "half", "only here"}) base.models.push_back(model_record(name, name));
-    base.rows[0].asked.target = base.rows[1].asked.source = "half";
-    for (Row& one : base.rows) one.asked.identity = one.asked.scene;
+    base.rows[0].spec.target = base.rows[1].spec.source = "half";
+    for (Row& one : base.rows) one.spec.identity = one.spec.scene;
     EXPECT_EQ(compare_results(base, base).find("not compared"), std::string::npos);
     ResultFile candidate = base;
     candidate.models[1].sha256 = "of another CGAL";
     candidate.models[2].name = "only there";
-    candidate.rows[0].asked.identity = candidate.rows[1].asked.identity = "another";
+    candidate.rows[0].spec.identity = candidate.rows[1].spec.identity = "another";
     candidate.rows.push_back(candidate.rows[1]);
     EXPECT_EQ(unlike_models(base, candidate), std::set<std::string>{"half"});
     const std::string text = compare_results(base, candidate);
@@ -550,7 +549,7 @@ TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     describe_run(result, Plan{}, "", "");
     result.rows = {row("guthe", "needle", 1, 1.5), row("cover", "needle", 1.1, 1.2)};
     result.texts["profile"] = "paper";
-    result.rows[1].asked.profile = "";
+    result.rows[1].spec.profile = "";
     time_it(result.rows[1], {{1, 2}, {2, 3}});
     result.models.push_back(model_record("needle", "its hash"));
     const TemporaryFolder folder;
@@ -559,9 +558,9 @@ TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     const ResultFile part = read_part(file, {{"label", "upper"}, true});
     EXPECT_EQ(part.texts, result.texts);
     ASSERT_EQ(part.rows.size(), 2u);
-    EXPECT_EQ(part.rows[1].asked.label, "cover");
-    EXPECT_EQ(part.rows[1].asked.profile, "paper");
-    EXPECT_EQ(part.rows[1].asked.solver, "");
+    EXPECT_EQ(part.rows[1].spec.label, "cover");
+    EXPECT_EQ(part.rows[1].spec.profile, "paper");
+    EXPECT_EQ(part.rows[1].spec.solver, "");
     EXPECT_EQ(part.rows[1].outcome.bounds.upper, 1.2);
     EXPECT_TRUE(std::isnan(part.rows[1].outcome.bounds.lower));
     EXPECT_EQ(part.rows[1].outcome.repeats.size(), 4u);

@@ -88,7 +88,7 @@ private:
 
 std::set<std::string> identities(const Plan& plan) {
     std::set<std::string> all;
-    for (const Case& asked : plan.cases) all.insert(asked.identity);
+    for (const Case& spec : plan.cases) all.insert(spec.identity);
     return all;
 }
 
@@ -184,12 +184,12 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
         EXPECT_EQ(job.pairs.at(0).queries.finest_tolerance, warm.cases[job.cases[0]].resolved_tolerance().value);
         std::string before;
         for (std::size_t p = 0; p < 3; ++p) {
-            const Case& asked = warm.cases[job.cases[p]];
-            EXPECT_EQ(asked.pose_index, int(p));
-            EXPECT_EQ(asked.tolerance, warm.cases[job.cases[0]].tolerance);
-            EXPECT_TRUE(asked.warm);
-            EXPECT_EQ(asked.chain, before);
-            before = asked.identity;
+            const Case& spec = warm.cases[job.cases[p]];
+            EXPECT_EQ(spec.pose_index, int(p));
+            EXPECT_EQ(spec.tolerance, warm.cases[job.cases[0]].tolerance);
+            EXPECT_TRUE(spec.warm);
+            EXPECT_EQ(spec.chain, before);
+            before = spec.identity;
         }
     }
     // Warm rows are never derived from rows of finer tolerances, not even for an exact solver.
@@ -210,8 +210,8 @@ TEST_F(PlanRows, OfEitherQuantity) {
     const Plan h = plan("trace = true", "exact = 3", ""),
                both = plan("trace = true\nquantity = 'symmetric'", "exact = 3", ""),
                mixed = plan("trace = true", "exact = 3", "[[solver]]\nname = 'idle_exact'\nquantity = 'symmetric'");
-    for (const Case& asked : h.cases) EXPECT_TRUE(asked.quantity == Quantity::directed && asked.exact == 3);
-    for (const Case& asked : both.cases) EXPECT_TRUE(asked.quantity == Quantity::symmetric && asked.exact == 3);
+    for (const Case& spec : h.cases) EXPECT_TRUE(spec.quantity == Quantity::directed && spec.exact == 3);
+    for (const Case& spec : both.cases) EXPECT_TRUE(spec.quantity == Quantity::symmetric && spec.exact == 3);
     EXPECT_EQ(mixed.cases[0].identity, h.cases[0].identity);
     EXPECT_NE(both.cases[0].identity, h.cases[0].identity);
     // `exact` states the distance only for the experiment's own quantity, so other cases have NaN.
@@ -257,14 +257,14 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
         ASSERT_EQ(job.pairs.size(), 6u);
         EXPECT_TRUE(job.exponent);
         for (std::size_t i = 0; i < 6; ++i) {
-            const Case& asked = search.cases[job.cases[i]];
-            EXPECT_EQ(std::pair(asked.source, asked.target), pairs[i]);
+            const Case& spec = search.cases[job.cases[i]];
+            EXPECT_EQ(std::pair(spec.source, spec.target), pairs[i]);
             EXPECT_EQ(job.pairs[i].cases, 1u);
-            EXPECT_EQ(asked.tolerance, search.cases[job.cases[0]].tolerance);
-            EXPECT_FALSE(asked.warm);
-            EXPECT_EQ(asked.chain, i % 2 == 0 ? "" : search.cases[job.cases[i - 1]].identity);
+            EXPECT_EQ(spec.tolerance, search.cases[job.cases[0]].tolerance);
+            EXPECT_FALSE(spec.warm);
+            EXPECT_EQ(spec.chain, i % 2 == 0 ? "" : search.cases[job.cases[i - 1]].identity);
             // Only the first case of a chain equals a case of the matrix: later ones depend on earlier answers.
-            EXPECT_EQ(of_matrix.contains(asked.identity), i % 2 == 0);
+            EXPECT_EQ(of_matrix.contains(spec.identity), i % 2 == 0);
         }
     }
     EXPECT_EQ(identities(search).size(), 12u);
@@ -302,9 +302,9 @@ TEST_F(PlanRows, PairsThatAreNotRunAreNoPartOfASearch) {
                                   "[[solver]]\nname = 'idle_without_points'\nquantity = 'symmetric'\nscenes = ['m']");
     std::size_t skipped = 0;
     for (std::size_t i = 0; i < some.cases.size(); ++i) {
-        const Case& asked = some.cases[i];
-        if (asked.solver != "idle_without_points") continue;
-        EXPECT_EQ(asked.chain, "");
+        const Case& spec = some.cases[i];
+        if (spec.solver != "idle_without_points") continue;
+        EXPECT_EQ(spec.chain, "");
         skipped += some.decided.contains(i);
     }
     EXPECT_EQ(skipped, 2u);

@@ -61,10 +61,10 @@ TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
 TEST(Plan, MarksAreTheGapsReadOffARowTheLargestFirst) {
     Plan plan;
     for (const double tolerance : {1e-3, 1e-2, 1e-1, 1e-3, 1e-2}) {
-        Case asked;
-        asked.tolerance = tolerance;
-        asked.tolerance_of = "absolute";
-        plan.cases.push_back(asked);
+        Case spec;
+        spec.tolerance = tolerance;
+        spec.tolerance_of = "absolute";
+        plan.cases.push_back(spec);
     }
     plan.read_off(1, {0, false});
     plan.read_off(2, {0, false});
@@ -77,18 +77,18 @@ TEST(Plan, MarksAreTheGapsReadOffARowTheLargestFirst) {
 
 TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames) {
     Experiment experiment;
-    Case asked;
-    asked.solver = "ohd_as_printed", asked.label = "printed", asked.certified = 0;
-    EXPECT_TRUE(unsound_expected(asked, experiment));
-    asked.solver = "ohd", asked.label = "ours";
-    EXPECT_FALSE(unsound_expected(asked, experiment));
+    Case spec;
+    spec.solver = "ohd_as_printed", spec.label = "printed", spec.certified = 0;
+    EXPECT_TRUE(unsound_expected(spec, experiment));
+    spec.solver = "ohd", spec.label = "ours";
+    EXPECT_FALSE(unsound_expected(spec, experiment));
     experiment.expected_unsound = {"theirs", "ours"};
-    EXPECT_TRUE(unsound_expected(asked, experiment));
-    asked.label = "ohd";
-    EXPECT_FALSE(unsound_expected(asked, experiment));
+    EXPECT_TRUE(unsound_expected(spec, experiment));
+    spec.label = "ohd";
+    EXPECT_FALSE(unsound_expected(spec, experiment));
     // A certified solver is never expected to be wrong.
-    asked.label = "ours", asked.certified = 1;
-    EXPECT_FALSE(unsound_expected(asked, experiment));
+    spec.label = "ours", spec.certified = 1;
+    EXPECT_FALSE(unsound_expected(spec, experiment));
 }
 
 // A rotation axis may have any length, even if its squared length overflows or underflows.

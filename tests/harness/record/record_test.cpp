@@ -16,17 +16,17 @@ namespace hausbench {
 namespace {
 
 Case a_case() {
-    Case asked;
-    asked.solver = asked.label = "guthe";
-    asked.options = {{"split", std::string("midpoint")}};
-    asked.scene = "needle", asked.source = "a", asked.target = "b";
-    asked.source_hash = "aa", asked.target_hash = "bb";
-    asked.source_diagonal = 5, asked.source_longest = 4;
-    asked.pose_index = 1;
-    asked.pose.translation = Vec3(1, 2, 3);
-    asked.tolerance = 0.25;
-    asked.tolerance_of = "diagonal";
-    return asked;
+    Case spec;
+    spec.solver = spec.label = "guthe";
+    spec.options = {{"split", std::string("midpoint")}};
+    spec.scene = "needle", spec.source = "a", spec.target = "b";
+    spec.source_hash = "aa", spec.target_hash = "bb";
+    spec.source_diagonal = 5, spec.source_longest = 4;
+    spec.pose_index = 1;
+    spec.pose.translation = Vec3(1, 2, 3);
+    spec.tolerance = 0.25;
+    spec.tolerance_of = "diagonal";
+    return spec;
 }
 
 TEST(Printable, LeavesTextAndTakesWhatSteersATerminal) {
@@ -54,18 +54,18 @@ TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
     EXPECT_EQ(diagonal(box), 5);
     EXPECT_EQ(longest_side(box), 4);
     EXPECT_EQ(longest_side(Points(0, 3)), 0);
-    Case asked = a_case();
+    Case spec = a_case();
     const auto length = [&](const char* of) {
-        asked.tolerance_of = of;
-        EXPECT_EQ(asked.resolved_tolerance().of, Tolerance::Of::absolute);
-        return asked.resolved_tolerance().value;
+        spec.tolerance_of = of;
+        EXPECT_EQ(spec.resolved_tolerance().of, Tolerance::Of::absolute);
+        return spec.resolved_tolerance().value;
     };
     EXPECT_EQ(length("diagonal"), 1.25);
     EXPECT_EQ(length("longest"), 1);
     EXPECT_EQ(length("absolute"), 0.25);
-    asked.tolerance_of = "lower";
-    EXPECT_EQ(asked.resolved_tolerance().of, Tolerance::Of::lower);
-    EXPECT_EQ(asked.resolved_tolerance().value, 0.25);
+    spec.tolerance_of = "lower";
+    EXPECT_EQ(spec.resolved_tolerance().of, Tolerance::Of::lower);
+    EXPECT_EQ(spec.resolved_tolerance().value, 0.25);
 }
 
 // Journals and result files find results by identity, so the identity of a case must not change between versions.
@@ -75,22 +75,22 @@ TEST(Record, IdentitiesOfOlderCasesStay) {
 
 TEST(Record, WhatCameLaterIsPartOfTheIdentityOnlyWhereGiven) {
     std::set<std::string> all = {identify(a_case())};
-    Case asked = a_case();
-    asked.target_pose.translation = Vec3(3, 2, 1);
-    all.insert(identify(asked));
-    std::swap(asked.pose, asked.target_pose);
-    all.insert(identify(asked));
-    asked = a_case();
-    asked.warm = true;
-    all.insert(identify(asked));
-    asked.chain = "cc";
-    all.insert(identify(asked));
-    asked = a_case();
-    asked.quantity = Quantity::symmetric;
-    all.insert(identify(asked));
-    asked = a_case();
-    asked.program_sha256 = "dd";
-    all.insert(identify(asked));
+    Case spec = a_case();
+    spec.target_pose.translation = Vec3(3, 2, 1);
+    all.insert(identify(spec));
+    std::swap(spec.pose, spec.target_pose);
+    all.insert(identify(spec));
+    spec = a_case();
+    spec.warm = true;
+    all.insert(identify(spec));
+    spec.chain = "cc";
+    all.insert(identify(spec));
+    spec = a_case();
+    spec.quantity = Quantity::symmetric;
+    all.insert(identify(spec));
+    spec = a_case();
+    spec.program_sha256 = "dd";
+    all.insert(identify(spec));
     EXPECT_EQ(all.size(), 7u);
 }
 
@@ -118,15 +118,15 @@ TEST(Record, AResultOfManyModelsIsRead) {
     }
     for (std::size_t i = 0; i < models / 4; ++i) {
         Row row{a_case(), {}, {}};
-        row.asked.source = result.models[4 * i].name, row.asked.target = result.models[models - 1 - i].name;
+        row.spec.source = result.models[4 * i].name, row.spec.target = result.models[models - 1 - i].name;
         result.rows.push_back(std::move(row));
     }
     write_result(file, result);
     const ResultFile again = read_result(file);
     ASSERT_EQ(again.rows.size(), result.rows.size());
     for (std::size_t i = 0; i < again.rows.size(); ++i) {
-        ASSERT_EQ(again.rows[i].asked.source_hash, result.models[4 * i].sha256);
-        ASSERT_EQ(again.rows[i].asked.target_hash, result.models[models - 1 - i].sha256);
+        ASSERT_EQ(again.rows[i].spec.source_hash, result.models[4 * i].sha256);
+        ASSERT_EQ(again.rows[i].spec.target_hash, result.models[models - 1 - i].sha256);
     }
 }
 

@@ -58,15 +58,15 @@ protected:
     Row row(const std::string& label, const std::string& scene, const std::string& profile, double lower) const {
         Row row;
         for (Case& c : cases_as_recorded(read_experiment(file(), "paper"), models(), no_shape).cases)
-            if (c.label == label && c.scene == scene) row.asked = std::move(c);
-        if (row.asked.label.empty()) {
-            row.asked.solver = row.asked.label = label;
-            row.asked.scene = scene;
-            row.asked.source = scene == "s" ? "a" : "c", row.asked.target = "b";
-            row.asked.source_hash = row.asked.source + "1", row.asked.target_hash = "b1";
-            row.asked.identity = identify(row.asked);
+            if (c.label == label && c.scene == scene) row.spec = std::move(c);
+        if (row.spec.label.empty()) {
+            row.spec.solver = row.spec.label = label;
+            row.spec.scene = scene;
+            row.spec.source = scene == "s" ? "a" : "c", row.spec.target = "b";
+            row.spec.source_hash = row.spec.source + "1", row.spec.target_hash = "b1";
+            row.spec.identity = identify(row.spec);
         }
-        row.asked.profile = profile;
+        row.spec.profile = profile;
         row.outcome.status = RowStatus::ok;
         row.outcome.bounds = {lower, lower};
         return row;
@@ -79,11 +79,11 @@ protected:
     }
 
     // Adds rows of a run, with lower bound 2; earlier rows have another one.
-    void run(const std::vector<std::pair<std::string, std::string>>& asked, bool whole) {
+    void run(const std::vector<std::pair<std::string, std::string>>& spec, bool whole) {
         plan_.whole = whole;
-        for (const auto& [label, scene] : asked) {
+        for (const auto& [label, scene] : spec) {
             result_.rows.push_back(row(label, scene, "quick", 2));
-            plan_.cases.push_back(result_.rows.back().asked);
+            plan_.cases.push_back(result_.rows.back().spec);
         }
         result_.models = {model("a", "a1"), model("b", "b1")};
     }
@@ -101,7 +101,7 @@ protected:
     std::multiset<std::string> rows() const {
         std::multiset<std::string> all;
         for (const Row& r : result_.rows)
-            all.insert(r.asked.label + " " + r.asked.scene + " " + r.asked.profile + " " +
+            all.insert(r.spec.label + " " + r.spec.scene + " " + r.spec.profile + " " +
                        std::to_string(int(r.outcome.bounds.lower)));
         return all;
     }
@@ -127,8 +127,8 @@ TEST_F(Earlier, APartReplacesItsRowsAlone) {
 
 TEST_F(Earlier, ARunOfTheWholeReplacesAllOfItsProfile) {
     Row other = row("scan", "s", "quick", 1);
-    other.asked.tolerance = 0.5;  // no longer asked for
-    other.asked.identity = identify(other.asked);
+    other.spec.tolerance = 0.5;  // no longer asked for
+    other.spec.identity = identify(other.spec);
     before({row("naive", "s", "quick", 1), other, row("ohd", "s", "paper", 1)});
     run({{"naive", "s"}, {"scan", "s"}}, true);
     EXPECT_TRUE(keep().empty());
@@ -155,12 +155,12 @@ TEST_F(Earlier, WhatNothingAsksForGoesAndIsSaid) {
 TEST_F(Earlier, AnEditedExperimentNoLongerAsksForARow) {
     std::vector<Row> rows_before;
     for (int i = 0; i < 6; ++i) rows_before.push_back(row("scan", "s", "quick", i));
-    rows_before[1].asked.tolerance = 0.5;
-    rows_before[2].asked.tolerance_of = "absolute";
-    rows_before[3].asked.solver = "ohd";
-    rows_before[4].asked.source = "c", rows_before[4].asked.source_hash = "c1";
-    rows_before[5].asked.quantity = Quantity::symmetric;
-    for (Row& changed : rows_before) changed.asked.identity = identify(changed.asked);
+    rows_before[1].spec.tolerance = 0.5;
+    rows_before[2].spec.tolerance_of = "absolute";
+    rows_before[3].spec.solver = "ohd";
+    rows_before[4].spec.source = "c", rows_before[4].spec.source_hash = "c1";
+    rows_before[5].spec.quantity = Quantity::symmetric;
+    for (Row& changed : rows_before) changed.spec.identity = identify(changed.spec);
     before(rows_before);
     run({{"naive", "s"}}, false);
     const auto said = keep();
@@ -228,8 +228,8 @@ TEST_F(Earlier, RowsOfAMotionStayWhereTheirModelIsNotThere) {
                              "motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 90, steps = 2 }\n";
     ask(text);
     Row moved = row("scan", "r", "quick", 1);
-    moved.asked.pose.translation = Vec3(1, 0, 0);
-    moved.asked.identity = identify(moved.asked);
+    moved.spec.pose.translation = Vec3(1, 0, 0);
+    moved.spec.identity = identify(moved.spec);
     before({moved});
     run({{"naive", "s"}}, false);
     EXPECT_TRUE(keep().empty());
@@ -238,13 +238,13 @@ TEST_F(Earlier, RowsOfAMotionStayWhereTheirModelIsNotThere) {
 
 TEST_F(Earlier, WhatTheExperimentSaysOfARowIsOfToday) {
     before({row("scan", "t", "quick", 1)});
-    before_.rows[0].asked.note = "an old remark";
-    before_.rows[0].asked.exact = 7;
+    before_.rows[0].spec.note = "an old remark";
+    before_.rows[0].spec.exact = 7;
     run({{"naive", "s"}}, false);
     keep();
     ASSERT_EQ(result_.rows.size(), 2u);
-    EXPECT_EQ(result_.rows[1].asked.note, "");
-    EXPECT_TRUE(std::isnan(result_.rows[1].asked.exact));
+    EXPECT_EQ(result_.rows[1].spec.note, "");
+    EXPECT_TRUE(std::isnan(result_.rows[1].spec.exact));
 }
 
 TEST_F(Earlier, ACaseThatARunDidNotComeToKeepsItsOutcome) {
@@ -262,7 +262,7 @@ TEST_F(Earlier, ACaseThatARunDidNotComeToKeepsItsOutcome) {
 
 TEST_F(Earlier, RowsOfOtherBytesGo) {
     before({row("scan", "s", "quick", 1)});
-    before_.rows[0].asked.target_hash = "b0";
+    before_.rows[0].spec.target_hash = "b0";
     run({{"naive", "s"}}, false);
     const auto said = keep();
     EXPECT_EQ(rows(), (Rows{"naive s quick 2"}));

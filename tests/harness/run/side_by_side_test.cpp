@@ -150,15 +150,15 @@ Plan plan_of(const std::vector<std::int64_t>& elements) {
     Plan plan;
     plan.experiment.repeats = 1;
     for (const std::int64_t count : elements) {
-        Case asked;
-        asked.solver = "scan";
-        asked.source_elements = count;
-        asked.identity = "case of " + std::to_string(count);
+        Case spec;
+        spec.solver = "scan";
+        spec.source_elements = count;
+        spec.identity = "case of " + std::to_string(count);
         Job job;
-        job.label = asked.identity;
+        job.label = spec.identity;
         job.cases = {plan.cases.size()};
         job.pairs = {{}};
-        plan.cases.push_back(asked);
+        plan.cases.push_back(spec);
         plan.jobs.push_back(job);
     }
     return plan;
