@@ -48,11 +48,11 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
     const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
     if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);
 
-    std::string known;
+    std::string listed;
     for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i)
-        known += fmt::format("{}{}", i > 0 ? ", " : "", candidates[i]);
-    if (candidates.size() > names_shown) known += fmt::format(" and {} more", candidates.size() - names_shown);
-    return fmt::format(" (known: {})", known);
+        listed += fmt::format("{}{}", i > 0 ? ", " : "", candidates[i]);
+    if (candidates.size() > names_shown) listed += fmt::format(" and {} more", candidates.size() - names_shown);
+    return fmt::format(" (known: {})", listed);
 }
 
 std::string one_line(std::string text) {

@@ -68,9 +68,9 @@ bool ParameterSpec::required() const {
 Options::Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given,
                  std::filesystem::path folder)
     : solver_(solver), folder_(std::move(folder)) {
-    std::vector<std::string> known;
+    std::vector<std::string> names;
     for (const ParameterSpec& spec : specs) {
-        known.push_back(spec.name);
+        names.push_back(spec.name);
         values_[spec.name] = spec.default_value;
     }
     for (const auto& [key, value] : given) {
@@ -78,7 +78,7 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
         const auto spec =
             std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
         if (spec == specs.end()) {
-            const std::string hint = known.empty() ? " (it has none)" : nearest_hint(name, known);
+            const std::string hint = names.empty() ? " (it has none)" : nearest_hint(name, names);
             throw InputError(fmt::format("solver '{}' has no parameter '{}'{}", solver, name, hint));
         }
         values_[name] = checked(solver, *spec, value);
@@ -92,10 +92,10 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
 }
 
 template <class T> const T& Options::get(const std::string& name) const {
-    const auto found = values_.find(name);
-    if (found == values_.end())
+    const auto entry = values_.find(name);
+    if (entry == values_.end())
         throw std::logic_error("solver '" + solver_ + "' reads undeclared parameter '" + name + "'");
-    const T* value = std::get_if<T>(&found->second);
+    const T* value = std::get_if<T>(&entry->second);
     if (!value) throw std::logic_error("solver '" + solver_ + "' reads parameter '" + name + "' as another type");
     read_.insert(name);
     return *value;

@@ -57,17 +57,18 @@ template <class Function> Function* symbol(void* library, const char* name, cons
 // Throws InputError if a new solver and another solver declare structures with the same name but different layouts,
 // because the two solvers may share one object.
 void check_structures(const std::vector<SolverEntry>& entries, const fs::path& file) {
-    for (const SolverEntry& own : entries) {
-        for (const Need& need : own.info.may_need) {
+    for (const SolverEntry& added : entries) {
+        for (const Need& need : added.info.may_need) {
             for (const SolverEntry& other : solvers()) {
-                for (const Need& known : other.info.may_need) {
-                    if (known.structure.name != need.structure.name || known.structure.layout == need.structure.layout)
+                for (const Need& existing : other.info.may_need) {
+                    if (existing.structure.name != need.structure.name ||
+                        existing.structure.layout == need.structure.layout)
                         continue;
                     throw InputError(fmt::format(
                         "{}: was built with another layout of the structure '{}' ({}) than solver '{}' has ({}): build "
                         "it again against this hausbench",
                         file.string(), need.structure.name, need.structure.layout, other.info.name,
-                        known.structure.layout));
+                        existing.structure.layout));
                 }
             }
         }

@@ -48,9 +48,9 @@ std::string_view to_string(WeighBy weigh) { return weigh == WeighBy::area ? "are
 
 std::string to_string(const Statistic& statistic) {
     std::string text;
-    for (const KindName& one : kinds) {
-        if (one.kind != statistic.kind) continue;
-        text = one.has_argument ? fmt::format("{} {}", one.name, statistic.argument) : std::string(one.name);
+    for (const KindName& entry : kinds) {
+        if (entry.kind != statistic.kind) continue;
+        text = entry.has_argument ? fmt::format("{} {}", entry.name, statistic.argument) : std::string(entry.name);
     }
     if (statistic.kind == Statistic::Kind::quantile && statistic.argument == 0.5) text = "median";
     if (statistic.over != Statistic::Over::source) text += fmt::format(" {}", to_string(statistic.over));
@@ -64,16 +64,16 @@ Statistic statistic_of(std::string_view text) {
     std::string_view rest = text;
     const std::string_view name = next_word(rest);
     Statistic statistic;
-    const KindName* found = nullptr;
-    for (const KindName& one : kinds)
-        if (one.name == name) found = &one;
+    const KindName* match = nullptr;
+    for (const KindName& entry : kinds)
+        if (entry.name == name) match = &entry;
     if (name == "median") {
         statistic = {Statistic::Kind::quantile, 0.5};
-    } else if (!found) {
+    } else if (!match) {
         throw fail("must be mean, rms, deviation, maximum, median, 'quantile LEVEL' or 'within LENGTH'");
     } else {
-        statistic.kind = found->kind;
-        if (found->has_argument) {
+        statistic.kind = match->kind;
+        if (match->has_argument) {
             const std::string_view word = next_word(rest);
             const std::optional<double> value = number_of(word);
             if (!value) throw fail(fmt::format("'{}' must be followed by a number, not '{}'", name, word));
@@ -85,13 +85,13 @@ Statistic statistic_of(std::string_view text) {
     if (is_share(statistic) && !(statistic.argument >= 0 && std::isfinite(statistic.argument)))
         throw fail("the length must be a number of at least 0");
     if (const std::string_view over = next_word(rest); !over.empty()) {
-        bool known = false;
-        for (const Statistic::Over one : all_overs) {
-            if (to_string(one) != over) continue;
-            statistic.over = one;
-            known = true;
+        bool valid = false;
+        for (const Statistic::Over candidate : all_overs) {
+            if (to_string(candidate) != over) continue;
+            statistic.over = candidate;
+            valid = true;
         }
-        if (!known)
+        if (!valid)
             throw fail(fmt::format("'{}' must be source, target, larger, mean_of_both, harmonic_mean or pooled", over));
     }
     if (!next_word(rest).empty()) throw fail("has words left over");

@@ -205,10 +205,10 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
                 continue;
             }
             // Not const: DoNotOptimize() of constants is deprecated.
-            ClosestPoint found = ask == Ask::textbook ? tree.textbook_closest(point, hints, counters)
-                                                      : tree.closest(point, hints, counters);
-            benchmark::DoNotOptimize(found);
-            if (ask == Ask::warm) hints.warm_triangle = found.triangle;
+            ClosestPoint nearest = ask == Ask::textbook ? tree.textbook_closest(point, hints, counters)
+                                                        : tree.closest(point, hints, counters);
+            benchmark::DoNotOptimize(nearest);
+            if (ask == Ask::warm) hints.warm_triangle = nearest.triangle;
         }
     }
     const auto queries = static_cast<std::size_t>(subject.queries.rows());

@@ -25,9 +25,9 @@ public:
         Counters counters;
         ClosestHints hints;
         for (Index i = 0; i < points.rows(); ++i) {
-            const ClosestPoint found = tree_->closest(points.row(i), hints, counters);
-            distances[static_cast<std::size_t>(i)] = std::sqrt(found.squared_distance);
-            if (warm_) hints.warm_triangle = found.triangle;
+            const ClosestPoint nearest = tree_->closest(points.row(i), hints, counters);
+            distances[static_cast<std::size_t>(i)] = std::sqrt(nearest.squared_distance);
+            if (warm_) hints.warm_triangle = nearest.triangle;
         }
     }
 

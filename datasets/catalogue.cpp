@@ -213,13 +213,13 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     if (std::filesystem::file_size(file) == 0)  // also true for files in /proc, some of which never end
         throw InputError(
             fmt::format("model '{}': {} is empty: name a file that holds a shape", model.name, file.string()));
-    const std::string found = sha256_of_file(file);
-    if (!model.sha256.empty() && found != model.sha256)
+    const std::string sha256 = sha256_of_file(file);
+    if (!model.sha256.empty() && sha256 != model.sha256)
         throw InputError(
-            fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", model.name, file.string(), found,
+            fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", model.name, file.string(), sha256,
                         local ? "model's table" : "manifest", model.sha256,
                         local ? "put the right file there, or correct sha256" : "delete it and fetch it again"));
-    return Input{file, found, found + file.filename().string(),  // the extension chooses the reader
+    return Input{file, sha256, sha256 + file.filename().string(),  // the extension chooses the reader
                  double(std::filesystem::file_size(file))};
 }
 
@@ -242,14 +242,14 @@ LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
 std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
     const ModelInfo& model = find(name);
     int steps = 0;
-    for (const ModelInfo* one = &model; one->source == "derived"; one = &find(one->from)) {
+    for (const ModelInfo* ancestor = &model; ancestor->source == "derived"; ancestor = &find(ancestor->from)) {
         if (++steps > most_derivations)
             throw InputError(fmt::format("model '{}': is derived through more than {} models: shorten the chain", name,
                                          most_derivations));
     }
-    const auto found = input_of(model);
-    if (const auto* missing = std::get_if<MissingModel>(&found)) return *missing;
-    const Input& input = std::get<Input>(found);
+    const auto source = input_of(model);
+    if (const auto* missing = std::get_if<MissingModel>(&source)) return *missing;
+    const Input& input = std::get<Input>(source);
     const std::string key = key_of(model, input.identity);
     std::filesystem::path shape_file = cache_ / "shapes" / (key + ".h5");
     std::optional<LoadedShape> loaded = cached(shape_file, key);

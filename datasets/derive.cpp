@@ -53,8 +53,8 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
     for (Index i = 0; i < count; ++i) {
         const std::uint64_t counter = 3 * static_cast<std::uint64_t>(i);
         const double wanted = random.uniform(counter) * area;
-        const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), wanted);
-        const Eigen::Index t = std::min<Eigen::Index>(found - area_up_to.begin(), mesh.triangles.rows() - 1);
+        const auto position = std::upper_bound(area_up_to.begin(), area_up_to.end(), wanted);
+        const Eigen::Index t = std::min<Eigen::Index>(position - area_up_to.begin(), mesh.triangles.rows() - 1);
         const double u = std::sqrt(random.uniform(counter + 1)), v = random.uniform(counter + 2);
         set.points.row(i) = ((1 - u) * corner(t, 0) + u * (1 - v) * corner(t, 1) + u * v * corner(t, 2)).transpose();
     }
@@ -219,9 +219,9 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     const auto midpoint = [&](Index a, Index b) {
         const auto [low, high] = std::minmax(a, b);
         const std::uint64_t key = (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-        const auto [found, fresh] = midpoints.try_emplace(key, old_count + static_cast<Index>(edges.size()));
+        const auto [entry, fresh] = midpoints.try_emplace(key, old_count + static_cast<Index>(edges.size()));
         if (fresh) edges.push_back({low, high});
-        return found->second;
+        return entry->second;
     };
     TriangleMesh fine;
     fine.triangles.resize(mesh.triangles.rows() * 4, 3);

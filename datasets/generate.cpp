@@ -103,10 +103,10 @@ TriangleMesh cube(const Given& g) {
     MeshBuilder builder;
     std::map<std::array<int, 3>, Index> numbers;
     const auto at = [&](std::array<int, 3> place) {
-        const auto [found, fresh] = numbers.try_emplace(place, 0);
+        const auto [entry, fresh] = numbers.try_emplace(place, 0);
         const auto coordinate = [&](int i) { return static_cast<double>(i) / n - 0.5; };
-        if (fresh) found->second = builder.vertex(coordinate(place[0]), coordinate(place[1]), coordinate(place[2]));
-        return found->second;
+        if (fresh) entry->second = builder.vertex(coordinate(place[0]), coordinate(place[1]), coordinate(place[2]));
+        return entry->second;
     };
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const int side : {0, n})
@@ -266,17 +266,17 @@ const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& na
 }
 
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers) {
-    const std::vector<std::string> known = names_of(recipe.numbers);
+    const std::vector<std::string> names = names_of(recipe.numbers);
     for (const auto& [name, value] : numbers)
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            refuse(fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            refuse(fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, names)));
     for (const NumberSpec& spec : recipe.numbers) {
-        const auto found = numbers.find(spec.name);
-        if (found == numbers.end()) {
+        const auto entry = numbers.find(spec.name);
+        if (entry == numbers.end()) {
             if (spec.required) refuse(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
             continue;
         }
-        const double value = found->second;
+        const double value = entry->second;
         if (!(value >= spec.least && value <= spec.most))
             refuse(
                 fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));

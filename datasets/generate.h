@@ -47,7 +47,7 @@ struct Recipe {
 
 template <class List> std::vector<std::string> names_of(const List& list) {
     std::vector<std::string> names;
-    for (const auto& one : list) names.push_back(one.name);
+    for (const auto& item : list) names.push_back(item.name);
     return names;
 }
 

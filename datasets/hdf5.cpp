@@ -231,7 +231,7 @@ private:
     }
 
     template <class T> std::vector<T> raw(hid_t as) const {
-        std::vector<T> values(attribute_ ? one() : count());
+        std::vector<T> values(attribute_ ? scalar_count() : count());
         if (attribute_)
             at_.check(H5Aread(object_, as, values.data()));
         else if (!values.empty())
@@ -252,7 +252,7 @@ private:
 
     // Returns 1 if an attribute has one value, otherwise throws: H5Aread would write more values past the end of the
     // buffer.
-    std::size_t one() const {
+    std::size_t scalar_count() const {
         const Id space(at_, H5Aget_space(object_), H5Sclose);
         if (H5Sget_simple_extent_type(space) == H5S_NULL || H5Sget_simple_extent_npoints(space) != 1)
             at_.fail("is not one value");
@@ -319,13 +319,13 @@ private:
     };
 
     static std::vector<Link> links(hid_t group, const Place& at) {
-        std::vector<Link> found;
+        std::vector<Link> entries;
         const auto visit = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
             static_cast<std::vector<Link>*>(data)->push_back({name, info->type});
             return 0;
         };
-        at.check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &found));
-        return found;
+        at.check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &entries));
+        return entries;
     }
 
     void attributes(hid_t object, const Place& at) {

@@ -64,8 +64,8 @@ bool is_one_of(std::string_view ending, const std::vector<std::string_view>& end
 }
 
 const Unread* unread_with_ending(std::string_view ending) {
-    for (const Unread& one : unread_formats())
-        if (is_one_of(ending, one.endings)) return &one;
+    for (const Unread& kind : unread_formats())
+        if (is_one_of(ending, kind.endings)) return &kind;
     return nullptr;
 }
 
@@ -77,16 +77,16 @@ std::string refusal(const std::string& name, const Unread& unread) {
 // AMF file may be a ZIP archive itself. `format` is null if it is not known, and comes from the ending if `by_ending`.
 [[noreturn]] void explain(const InputError& error, const std::string& name, const Format* format,
                           std::string_view bytes, bool by_ending = true) {
-    const Format* const found = recognised_format(bytes);
-    if (found && found != format)
-        throw InputError(fmt::format("{}: begins like a file of {}{}: {}{}", name, found->title,
+    const Format* const recognised = recognised_format(bytes);
+    if (recognised && recognised != format)
+        throw InputError(fmt::format("{}: begins like a file of {}{}: {}{}", name, recognised->title,
                                      format ? fmt::format(", not of {}", format->title) : "",
-                                     by_ending ? "rename it to end in ." : "read it as ", found->endings[0]));
-    const bool may_be_zip = found != nullptr || (format && is_one_of("3mf", format->endings)) ||
+                                     by_ending ? "rename it to end in ." : "read it as ", recognised->endings[0]));
+    const bool may_be_zip = recognised != nullptr || (format && is_one_of("3mf", format->endings)) ||
                             (format && is_one_of("amf", format->endings));
-    for (const Unread& one : unread_formats())
-        if (!one.begins.empty() && bytes.starts_with(one.begins) && !(may_be_zip && bytes.starts_with("PK")))
-            throw InputError(refusal(name, one));
+    for (const Unread& kind : unread_formats())
+        if (!kind.begins.empty() && bytes.starts_with(kind.begins) && !(may_be_zip && bytes.starts_with("PK")))
+            throw InputError(refusal(name, kind));
     const bool marked = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
     if (marked && bytes.substr(0, 64).find('\0') != std::string_view::npos)
         throw InputError(name + ": is text in UTF-16: save it as UTF-8");

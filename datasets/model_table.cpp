@@ -131,9 +131,9 @@ private:
     }
 
     // Returns the recipe or operation with the name model_.recipe, after reading its numbers into model_.numbers.
-    const Recipe& read_numbers(const char* key, const std::vector<Recipe>& known) {
+    const Recipe& read_numbers(const char* key, const std::vector<Recipe>& recipes) {
         const std::string what = fmt::format("{}: unknown {}", where(*content_.get(key)), key);
-        const Recipe& recipe = find_recipe(known, model_.recipe, what);
+        const Recipe& recipe = find_recipe(recipes, model_.recipe, what);
         for (const NumberSpec& spec : recipe.numbers)
             if (const toml::node* node = table_.find(spec.name))
                 model_.numbers[spec.name] = table_.number(*node, spec.name);

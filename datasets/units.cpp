@@ -62,9 +62,10 @@ std::optional<Unit> unit_named(std::string_view name) {
     // No nanometres, but nautical miles or newton metres; perhaps megametres.
     if (name == "NM" || name == "Nm" || name == "Mm") return std::nullopt;
     const std::string lower = readers::lower_case(name);
-    for (const Names& one : units())
-        if (one.unit.name == lower || std::find(one.others.begin(), one.others.end(), lower) != one.others.end())
-            return one.unit;
+    for (const Names& names : units())
+        if (names.unit.name == lower ||
+            std::find(names.others.begin(), names.others.end(), lower) != names.others.end())
+            return names.unit;
     return std::nullopt;
 }
 
@@ -81,16 +82,16 @@ bool units_differ(const Stated& a, const Stated& b) {
 }
 
 Stated stated_unit(double metres) {
-    for (const Names& one : units()) {
-        const double length = one.unit.micrometres;  // the number in the file may be rounded in any of these ways
-        if (length / 1e6 == metres || length * 1e-6 == metres || length == metres * 1e6) return stated_unit(one.unit);
+    for (const Names& names : units()) {
+        const double length = names.unit.micrometres;  // the number in the file may be rounded in any of these ways
+        if (length / 1e6 == metres || length * 1e-6 == metres || length == metres * 1e6) return stated_unit(names.unit);
     }
     return {fmt::format("{} m", metres), metres * 1e6, 0};
 }
 
 std::string unit_names() {
     std::string text;
-    for (const Names& one : units()) text += (text.empty() ? "" : ", ") + std::string(one.unit.name);
+    for (const Names& names : units()) text += (text.empty() ? "" : ", ") + std::string(names.unit.name);
     return text;
 }
 

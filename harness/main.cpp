@@ -31,22 +31,22 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto unknown = app.remaining(true);
     const std::string help =
         fmt::format("run `hausbench{} --help`", verbs.empty() ? "" : " " + verbs.front()->get_name());
-    std::vector<std::string> known;
+    std::vector<std::string> names;
     if (verbs.empty()) {
         for (const CLI::App* verb : app.get_subcommands(nullptr)) {
-            if (!verb->get_group().empty()) known.push_back(verb->get_name());
+            if (!verb->get_group().empty()) names.push_back(verb->get_name());
         }
-        if (unknown.empty()) return fmt::format("no verb is given{}; {}", nearest_hint("", known), help);
-        return fmt::format("unknown verb '{}'{}; {}", unknown.front(), nearest_hint(unknown.front(), known), help);
+        if (unknown.empty()) return fmt::format("no verb is given{}; {}", nearest_hint("", names), help);
+        return fmt::format("unknown verb '{}'{}; {}", unknown.front(), nearest_hint(unknown.front(), names), help);
     }
     std::string what = error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !unknown.empty()) {
         for (const CLI::Option* option : verbs.front()->get_options()) {
             if (!option->get_lnames().empty() && !option->get_group().empty())
-                known.push_back("--" + option->get_lnames().front());
+                names.push_back("--" + option->get_lnames().front());
         }
         const std::string& word = unknown.front();
-        what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, known))
+        what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, names))
                                      : fmt::format("unexpected '{}'", word);
     }
     return one_line(fmt::format("{}: {}; {}", verbs.front()->get_name(), what, help));

@@ -68,11 +68,11 @@ void expect_sizes(const Question& question) {
                                         "vertex once",
                                         name));
     };
-    const std::vector<Statistic>& asked = question.query.statistics;
-    if (std::any_of(asked.begin(), asked.end(), needs_source) &&
+    const std::vector<Statistic>& wanted = question.query.statistics;
+    if (std::any_of(wanted.begin(), wanted.end(), needs_source) &&
         counted_by(pair.source().shape()) == CountedBy::nothing)
         refuse("the source");
-    if (std::any_of(asked.begin(), asked.end(), needs_target) &&
+    if (std::any_of(wanted.begin(), wanted.end(), needs_target) &&
         counted_by(pair.target().shape()) == CountedBy::nothing)
         refuse("the target");
 }
@@ -129,10 +129,10 @@ int hausbench_distribution(hausbench_pair* pair, const char* const* statistics, 
         const hausbench::Answer solved = question.solve(hausbench::Quantity::distribution);
         const hausbench::Result& result = solved.result;
         for (std::size_t i = 0; i < count; ++i) {
-            const bool known = i < result.statistics.size() && may_bound_a_distance(result.statistics[i]);
+            const bool bounded = i < result.statistics.size() && may_bound_a_distance(result.statistics[i]);
             const bool share = is_share(question.query.statistics[i]);
             values[i] = {0, share ? 1 : hausbench::infinity};
-            if (known) values[i] = {result.statistics[i].lower, result.statistics[i].upper};
+            if (bounded) values[i] = {result.statistics[i].lower, result.statistics[i].upper};
         }
         question.answer(solved, *answer);
         answer->bounds = values[0];

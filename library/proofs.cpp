@@ -35,7 +35,7 @@ Answer certify(Question& question, Quantity quantity, const std::filesystem::pat
     content.target = {pair.target().name(), "", question.query.target_pose};
     content.quantity = quantity;
     content.solver = pair.entry().info.name;
-    content.tolerance = question.asked().tolerance;
+    content.tolerance = question.caller_query().tolerance;
     content.tolerance_of = question.tolerance.of;
     take_answer(content, result, pair.source().shape(), pair.target().shape());
     const CertificateVerdict verdict = verify_certificate(content, pair.source().shape(), pair.target().shape());
@@ -57,21 +57,21 @@ bool are_equal(const Pose& a, const Pose& b) { return a.rotation == b.rotation &
 // Checks a file for the question whether it proves a bound of A and B at these poses.
 hausbench_verdict verdict_of(const CertificateFile& content, const Shape& a, const Shape& b, const Pose& source_pose,
                              const Pose& target_pose) {
-    const CertificateVerdict found = verify_certificate(content, a, b);
-    std::string refusal = found.refusal;
-    for (const auto& [name, stated, asked] :
+    const CertificateVerdict proof = verify_certificate(content, a, b);
+    std::string refusal = proof.refusal;
+    for (const auto& [name, stated, expected] :
          {std::tuple{"A", &content.source.pose, &source_pose}, std::tuple{"B", &content.target.pose, &target_pose}})
-        if (refusal.empty() && !are_equal(*stated, *asked))
+        if (refusal.empty() && !are_equal(*stated, *expected))
             refusal = fmt::format("the file is about {} {}: give the pose that it was certified at", name,
                                   stated->is_identity() ? "at rest" : "at another pose");
     hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
     verdict.accepted = refusal.empty() ? 1 : 0;
     if (content.bounds.lower <= content.bounds.upper) verdict.bounds = {content.bounds.lower, content.bounds.upper};
-    if (verdict.accepted) verdict.proven = found.proven;
+    if (verdict.accepted) verdict.proven = proof.proven;
     put(content.source.pose, verdict.source_pose);
     put(content.target.pose, verdict.target_pose);
     copy_text(verdict.text, sizeof verdict.text,
-              one_line(verdict.accepted ? "the upper bound is proven; the lower bound " + found.lower : refusal));
+              one_line(verdict.accepted ? "the upper bound is proven; the lower bound " + proof.lower : refusal));
     return verdict;
 }
 

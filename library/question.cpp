@@ -55,35 +55,35 @@ Pose pose_of(const double* matrix, const char* name, int argument, const char* o
 
 Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argument)
     : pair_(given(pair, "pair", 1)->pair),
-      asked_(taken<hausbench_query>(theirs, HAUSBENCH_QUERY_INIT, "query", argument)),
+      caller_query_(taken<hausbench_query>(theirs, HAUSBENCH_QUERY_INIT, "query", argument)),
       interrupt_(&Question::asks_to_stop, this) {
-    check(asked_, argument);
-    tolerance = resolve_tolerance(asked_.tolerance, unit_named(asked_.relative_to), points_of(pair_->source().shape()),
-                                  pair_->extent());
+    check(caller_query_, argument);
+    tolerance = resolve_tolerance(caller_query_.tolerance, unit_named(caller_query_.relative_to),
+                                  points_of(pair_->source().shape()), pair_->extent());
     query.tolerance = tolerance.tolerance;
-    query.threads = asked_.threads;
-    query.time_limit = asked_.time_limit;
-    query.source_pose = pose_of(asked_.source_pose, "source_pose", argument, "query: ");
-    query.target_pose = pose_of(asked_.target_pose, "target_pose", argument, "query: ");
-    query.weigh = asked_.weigh_by_number ? WeighBy::number : WeighBy::area;
-    query.share_tolerance = asked_.share_tolerance;
-    if (asked_.cancel || asked_.progress) query.interrupt = &interrupt_;
-    if (!asked_.chain) return;
-    chain_ = &asked_.chain->chain;
+    query.threads = caller_query_.threads;
+    query.time_limit = caller_query_.time_limit;
+    query.source_pose = pose_of(caller_query_.source_pose, "source_pose", argument, "query: ");
+    query.target_pose = pose_of(caller_query_.target_pose, "target_pose", argument, "query: ");
+    query.weigh = caller_query_.weigh_by_number ? WeighBy::number : WeighBy::area;
+    query.share_tolerance = caller_query_.share_tolerance;
+    if (caller_query_.cancel || caller_query_.progress) query.interrupt = &interrupt_;
+    if (!caller_query_.chain) return;
+    chain_ = &caller_query_.chain->chain;
     if (chain_->pair != pair_)
         throw ArgumentError(argument, "query: the chain belongs to another pair: begin one for this pair");
     chain_->moves.moves |= !query.source_pose.is_identity();
     chain_->moves.target_moves |= !query.target_pose.is_identity();
 }
 
-Opened Question::open(const Query& one, bool backward) {
+Opened Question::open(const Query& directed, bool backward) {
     Pair::Kind moves = pair_->planned();
     if (chain_) {
         moves.moves |= chain_->moves.moves;
         moves.target_moves |= chain_->moves.target_moves;
     }
-    const Pair::Kind kind = pair_->kind_for(one, backward, moves);
-    Opened opened{pair_->session(kind, one.threads)};
+    const Pair::Kind kind = pair_->kind_for(directed, backward, moves);
+    Opened opened{pair_->session(kind, directed.threads)};
     if (chain_) {
         auto [at, fresh] = chain_->states.try_emplace(kind);
         if (fresh) at->second = opened.session->begin();
@@ -94,23 +94,24 @@ Opened Question::open(const Query& one, bool backward) {
 
 int Question::asks_to_stop(void* question) {
     const auto& self = *static_cast<const Question*>(question);
-    return self.stop_ || (self.asked_.cancel && self.asked_.cancel(self.asked_.cancel_data) != 0);
+    return self.stop_ || (self.caller_query_.cancel && self.caller_query_.cancel(self.caller_query_.cancel_data) != 0);
 }
 
 void Question::show(const Result& so_far) {
     std::vector<hausbench_interval> bounds;
-    for (const Bounds& one : so_far.statistics) bounds.push_back({one.lower, one.upper});
+    for (const Bounds& statistic : so_far.statistics) bounds.push_back({statistic.lower, statistic.upper});
     if (query.quantity != Quantity::distribution) bounds = {{so_far.bounds.lower, so_far.bounds.upper}};
-    if (asked_.progress(asked_.progress_data, bounds.data(), bounds.size()) != 0) stop_ = true;
+    if (caller_query_.progress(caller_query_.progress_data, bounds.data(), bounds.size()) != 0) stop_ = true;
 }
 
 // Asks as `hausbench measure` does, so that the answers have the same bits.
 Answer Question::solve(Quantity quantity) {
     query.quantity = quantity;
     std::function<void(const Answer&)> closer;
-    if (asked_.progress) closer = [this](const Answer& so_far) { show(so_far.result); };
+    if (caller_query_.progress) closer = [this](const Answer& so_far) { show(so_far.result); };
     return ask(
-        query, [this](const Query& one, bool backward) { return open(one, backward); }, Directions::unknown, closer);
+        query, [this](const Query& directed, bool backward) { return open(directed, backward); }, Directions::unknown,
+        closer);
 }
 
 int Question::status_of(const Result& result) const {

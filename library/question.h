@@ -25,16 +25,16 @@ public:
     void answer(const Answer& solved, hausbench_answer& answer) const;
 
     Pair& pair() const { return *pair_; }
-    const hausbench_query& asked() const { return asked_; }
+    const hausbench_query& caller_query() const { return caller_query_; }
 
 private:
-    Opened open(const Query& one, bool backward);  // as OpenSession
-    void show(const Result& so_far);               // to the caller's progress function
+    Opened open(const Query& directed, bool backward);  // as OpenSession
+    void show(const Result& so_far);                    // to the caller's progress function
     int status_of(const Result& result) const;
     static int asks_to_stop(void* question);  // the hook of interrupt_
 
     std::shared_ptr<Pair> pair_;
-    hausbench_query asked_;
+    hausbench_query caller_query_;
     Interrupt interrupt_;
     bool stop_ = false;  // the progress function has asked to stop
     Chain* chain_ = nullptr;

@@ -127,8 +127,8 @@ const Triangles* Model::given_faces() const {
 std::shared_ptr<PreparedShape> Model::prepared(int exponent) {
     constexpr std::size_t most_kept = 3;
     const std::lock_guard lock(keeping_);
-    const auto at =
-        std::find_if(prepared_.begin(), prepared_.end(), [&](const auto& one) { return one->exponent() == exponent; });
+    const auto at = std::find_if(prepared_.begin(), prepared_.end(),
+                                 [&](const auto& candidate) { return candidate->exponent() == exponent; });
     if (at != prepared_.end()) {
         prepared_.splice(prepared_.begin(), prepared_, at);
         return prepared_.front();

@@ -33,7 +33,7 @@ public:
     explicit SurfaceMeshes(const Options& options)
         : cells_(static_cast<int>(options.integer("cells"))),
           levels_(static_cast<int>(options.integer("levels"))),
-          asked_(find_solver(options.text("solver"))) {}
+          entry_(find_solver(options.text("solver"))) {}
 
     void prepare(const Scene& scene, const Prepared&) override {
         const auto &a = surface_of(scene.source), &b = surface_of(scene.target);
@@ -56,7 +56,7 @@ public:
         a_ = deviation(a, of_a, cells_, levels_);
         b_ = deviation(b, of_b, cells_, levels_);
         triangles_ = {static_cast<double>(of_a.triangles.rows()), static_cast<double>(of_b.triangles.rows())};
-        meshes_ = std::make_unique<Session>(asked_, Options(asked_.info.name, asked_.info.parameters, {}),
+        meshes_ = std::make_unique<Session>(entry_, Options(entry_.info.name, entry_.info.parameters, {}),
                                             Scene{std::move(of_a), std::move(of_b)}, QuerySet{});
     }
 
@@ -122,7 +122,7 @@ private:
 
     int cells_, levels_;
     std::string no_mesh_;  // why a mesh is missing; empty: both exist
-    SolverEntry asked_;
+    SolverEntry entry_;
     MeshDeviation a_{}, b_{};
     std::array<double, 2> triangles_{};
     double farthest_ = 0;

@@ -30,29 +30,30 @@ private:
     std::fenv_t before_;
 };
 
-thread_local const Interrupt* asked = nullptr;
+thread_local const Interrupt* current_interrupt = nullptr;
 
 }  // namespace
 
-Stoppable::Stoppable(const Interrupt* interrupt) : before_(asked) { asked = interrupt; }
+Stoppable::Stoppable(const Interrupt* interrupt) : before_(current_interrupt) { current_interrupt = interrupt; }
 
-Stoppable::~Stoppable() { asked = before_; }
+Stoppable::~Stoppable() { current_interrupt = before_; }
 
-const Interrupt* Stoppable::current() { return asked; }
+const Interrupt* Stoppable::current() { return current_interrupt; }
 
 void Stoppable::look(const Interrupt* interrupt) {
     if (!interrupt) return;
     // Structures that the hook builds do not ask it again.
-    const Stoppable nothing(WATCHED_ELSE("threads: structures that a hook builds ask it again", nullptr, asked));
+    const Stoppable nothing(
+        WATCHED_ELSE("threads: structures that a hook builds ask it again", nullptr, current_interrupt));
     if (interrupt->stop_requested()) throw BuildingStopped();
 }
 
-void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job, std::size_t block, int worker)) {
+void Threads::run(std::size_t count, int most, void* job, void (*body)(void* job, std::size_t block, int worker)) {
     std::atomic<std::size_t> next{0};
     std::atomic<int> workers{0};
     std::fenv_t environment;
     std::fegetenv(&environment);
-    const Interrupt* const interrupt = asked;
+    const Interrupt* const interrupt = current_interrupt;
     const auto work = [&] {
         if (next.load(std::memory_order_relaxed) >= count) return;
         const Environment same(environment);
@@ -60,7 +61,7 @@ void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job,
         try {
             for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
                 if (WATCHED("threads: other blocks go on after a stop", true)) Stoppable::look(interrupt);
-                one(job, block, worker);
+                body(job, block, worker);
             }
         } catch (...) {
             next.store(count, std::memory_order_relaxed);  // no worker begins another block

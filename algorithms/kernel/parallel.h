@@ -135,7 +135,7 @@ private:
 #endif
     };
 
-    static void run(std::size_t count, int most, void* job, void (*one)(void* job, std::size_t block, int worker));
+    static void run(std::size_t count, int most, void* job, void (*body)(void* job, std::size_t block, int worker));
 
     int most_;
 };

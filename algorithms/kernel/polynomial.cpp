@@ -330,11 +330,11 @@ Interval Polynomial::natural(const std::array<Interval, 3>& box) const {
     for (std::size_t k = 0; k < 3; ++k) x[k] = box[k] - Interval(origin_[Eigen::Index(k)]);
     Interval sum(0.0);
     for (const Term& term : terms_) {
-        Interval one = term.coefficient;
+        Interval summand = term.coefficient;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (term.powers[k] > 0) one *= power(x[k], term.powers[k]);
+            if (term.powers[k] > 0) summand *= power(x[k], term.powers[k]);
         }
-        sum += one;
+        sum += summand;
     }
     return sum;
 }

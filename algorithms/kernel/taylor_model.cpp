@@ -177,10 +177,10 @@ TaylorModel ModelPowers::value(const Polynomial& f) const {
         for (std::size_t k = 0; k < 3; ++k) {
             if (term.powers[k] > 0) factors[n++] = &powers_[k][std::size_t(term.powers[k])];
         }
-        TaylorModel one = n == 0 ? powers_[0][0] : *factors[0];
+        TaylorModel monomial = n == 0 ? powers_[0][0] : *factors[0];
         for (int i = 1; i < n; ++i)
-            one = most_ < TaylorModel::order ? product(one, *factors[i], most_) : one * *factors[i];
-        sum = sum + one * term.coefficient;
+            monomial = most_ < TaylorModel::order ? product(monomial, *factors[i], most_) : monomial * *factors[i];
+        sum = sum + monomial * term.coefficient;
     }
     return sum;
 }

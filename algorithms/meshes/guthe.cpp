@@ -151,7 +151,7 @@ void GutheSearch::push_triangles() {
             }
         }
         piece.upper = WATCHED_ELSE("guthe: a triangle's bound is widened", bounds_.at_most(least, 0), std::sqrt(least));
-        if (proofs_) proofs_->one(piece.node, piece.upper, piece.best);
+        if (proofs_) proofs_->prove(piece.node, piece.upper, piece.best);
         push(piece);
     }
 }
@@ -218,13 +218,13 @@ void GutheSearch::split(const GuthePiece& piece) {
         }
     }
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const double own =
+        const double bound =
             WATCHED_ELSE("guthe: a piece's bound is widened",
                          bounds_.at_most(least[c], WATCHED("guthe: a piece's bound is widened by its level", level)),
                          std::sqrt(least[c]));
         const PieceProofs::Node node = first + static_cast<PieceProofs::Node>(c);
-        if (proofs_) proofs_->one(node, own, best[c]);
-        push({cut.corners(c), std::min(piece.upper, own), piece.source, best[c], level, node});
+        if (proofs_) proofs_->prove(node, bound, best[c]);
+        push({cut.corners(c), std::min(piece.upper, bound), piece.source, best[c], level, node});
     }
 }
 

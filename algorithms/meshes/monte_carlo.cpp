@@ -213,11 +213,13 @@ private:
         const auto fail = [](const std::string& what) {
             throw InputError(fmt::format("solver 'monte_carlo' {}, or take solver 'distribution'", what));
         };
-        for (const Statistic& one : query.statistics) {
-            if (needs_target(one)) fail(fmt::format("has only statistics over A: leave out '{}'", to_string(one)));
-            if (one.kind == Statistic::Kind::maximum || (one.kind == Statistic::Kind::quantile && one.argument >= 1))
+        for (const Statistic& statistic : query.statistics) {
+            if (needs_target(statistic))
+                fail(fmt::format("has only statistics over A: leave out '{}'", to_string(statistic)));
+            if (statistic.kind == Statistic::Kind::maximum ||
+                (statistic.kind == Statistic::Kind::quantile && statistic.argument >= 1))
                 fail(fmt::format("draws samples, which give no upper bound on the largest distance: leave out '{}'",
-                                 to_string(one)));
+                                 to_string(statistic)));
         }
         if (query.weigh == WeighBy::number && by_ != CountedBy::points)
             fail("weighs by area: leave out the weighing by vertex");

@@ -77,8 +77,8 @@ std::optional<SurfaceMesh> connected_mesh(const Points& vertices, const Faces& f
 SurfaceMesh surface_mesh(const Points& vertices, const Faces& faces) {
     if (std::optional<SurfaceMesh> connected = connected_mesh(vertices, faces)) return std::move(*connected);
     SurfaceMesh mesh;
-    const auto own = [&](std::size_t v) { return mesh.add_vertex(point_at(vertices, v)); };
-    for (const auto& [a, b, c] : faces) mesh.add_face(own(a), own(b), own(c));
+    const auto new_vertex = [&](std::size_t v) { return mesh.add_vertex(point_at(vertices, v)); };
+    for (const auto& [a, b, c] : faces) mesh.add_face(new_vertex(a), new_vertex(b), new_vertex(c));
     return mesh;
 }
 

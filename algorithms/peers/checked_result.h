@@ -15,19 +15,19 @@ namespace hausbench {
 inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                              Counters counters, double rest = -1, Status stopped = Status::converged) {
     if (farthest.source >= 0) {
-        const double found = farthest.squared;
+        const double claimed = farthest.squared;
         farthest.squared = std::numeric_limits<double>::infinity();
         for (Index j = 0; j < b.rows(); ++j) {
             const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
             if (WATCHED_ELSE("peers for point sets: the lower bound, compared with all of B again",
-                             squared < farthest.squared, squared == found)) {
+                             squared < farthest.squared, squared == claimed)) {
                 farthest.squared = squared;
                 farthest.target = j;
             }
         }
         counters.point_distances += static_cast<std::uint64_t>(b.rows());
         if (WATCHED("peers for point sets: the largest distance that searches found, in the upper bound", true))
-            rest = std::max(rest, found);
+            rest = std::max(rest, claimed);
     }
     return exact_result(query, a, b, farthest, counters, rest, stopped);
 }

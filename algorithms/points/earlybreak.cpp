@@ -77,9 +77,9 @@ private:
     bool excluded(const Points& a, Index i, FarthestPoint& farthest) const {
         if (!exclude_common_) return false;
         const std::array<double, 3> key = key_of(a, i);
-        const auto found = std::lower_bound(sorted_target_.begin(), sorted_target_.end(), std::pair{key, Index{0}});
-        if (found == sorted_target_.end() || found->first != key) return false;
-        if (farthest.source < 0) farthest = {0, i, found->second};
+        const auto entry = std::lower_bound(sorted_target_.begin(), sorted_target_.end(), std::pair{key, Index{0}});
+        if (entry == sorted_target_.end() || entry->first != key) return false;
+        if (farthest.source < 0) farthest = {0, i, entry->second};
         return true;
     }
 

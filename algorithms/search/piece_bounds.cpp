@@ -204,25 +204,25 @@ BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t 
 // nearest triangle of B. Returns the largest squared distance from a corner of a cell to the nearest triangle of that
 // cell, or infinity if the two triangles have no common edge.
 double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
-    const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
-    const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
+    const MeasuredPoint &a = v[alone], &b = v[(alone + 1) % 3], &c = v[(alone + 2) % 3];
+    const auto side = bisector(target_.triangle(a.triangle), target_.triangle(b.triangle));
     if (!side) return infinity;
-    const double s = side->of(one.point), s2 = side->of(two.point), s3 = side->of(three.point);
+    const double s = side->of(a.point), s2 = side->of(b.point), s3 = side->of(c.point);
     argument_.kind = PieceArgument::Kind::corner_cut_off;
     argument_.alone = alone;
     argument_.ends = {1, -1, -1};
     // Cuts the edges at corner `alone` where they meet the plane that halves the angle between the triangles, if both
     // do; otherwise at their midpoints.
-    std::array<Vec3, 7> cuts{0.5 * (one.point + two.point), 0.5 * (one.point + three.point)};
+    std::array<Vec3, 7> cuts{0.5 * (a.point + b.point), 0.5 * (a.point + c.point)};
     if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity) {
-        cuts = {zero_on_edge(one.point, two.point, s, s2), zero_on_edge(one.point, three.point, s, s3)};
+        cuts = {zero_on_edge(a.point, b.point, s, s2), zero_on_edge(a.point, c.point, s, s3)};
         argument_.ends = {s, s2, s3};
     }
-    const BlockFeet to_one = distances(cuts, 2, one.triangle), to_two = distances(cuts, 2, two.triangle);
+    const BlockFeet to_a = distances(cuts, 2, a.triangle), to_b = distances(cuts, 2, b.triangle);
     return std::max({largest_squared(v),
-                     WATCHED("pieces: the first cut counts against the first triangle", to_one.squared_distance[0]),
-                     to_one.squared_distance[1], to_two.squared_distance[0],
-                     WATCHED("pieces: the second cut counts against the second triangle", to_two.squared_distance[1])});
+                     WATCHED("pieces: the first cut counts against the first triangle", to_a.squared_distance[0]),
+                     to_a.squared_distance[1], to_b.squared_distance[0],
+                     WATCHED("pieces: the second cut counts against the second triangle", to_b.squared_distance[1])});
 }
 
 // Cuts the piece into three cells, one for each corner: the quadrilateral of the corner, the midpoints of its two edges
@@ -269,12 +269,12 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
     const double three = at_most(
         in_three(v, whole, near),
         level + WATCHED("pieces: a piece in three parts is widened by what its cuts are off", level_of_inner_point));
-    const double one = at_most(whole, level);
-    if (one < three)
+    const double of_whole = at_most(whole, level);
+    if (of_whole < three)
         by_one(near);
     else
         argument_.kind = PieceArgument::Kind::three;
-    return std::min(three, one);
+    return std::min(three, of_whole);
 }
 
 // A foot is the point of B closest to a corner. As computed, it is within 7uM of B, where u = 2^-53 and M is the

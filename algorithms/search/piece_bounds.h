@@ -36,7 +36,7 @@ inline Vec3 barycentre(const PieceCorners& v) { return (v[0].point + v[1].point 
 struct PieceArgument {
     enum class Kind {
         // One cell, the whole piece, compared with triangle `near` of B.
-        one,
+        whole_piece,
         // Three cells, one for each corner. Each holds the points of the piece that are nearest to its corner, and is
         // compared with the triangle of B nearest to this corner.
         nearest_corner,
@@ -52,7 +52,7 @@ struct PieceArgument {
         // triangle of B that contains its foot.
         nearest_foot
     };
-    Kind kind = Kind::one;
+    Kind kind = Kind::whole_piece;
     Index near = -1;
     std::size_t alone = 0;
     // The values of the linear function of corner_cut_off, at corner `alone` and at the two corners after it.
@@ -107,7 +107,7 @@ private:
     double in_two(const PieceCorners& corners, std::size_t alone);
     double in_three(const PieceCorners& corners, double& whole, Index& near);
     void by_one(Index near) {
-        argument_.kind = PieceArgument::Kind::one;
+        argument_.kind = PieceArgument::Kind::whole_piece;
         argument_.near = near;
     }
     BlockFeet distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle);

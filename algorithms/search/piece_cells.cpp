@@ -140,7 +140,7 @@ void write_nearest_foot(CertificateTree& tree, const PieceArgument& argument, co
 }  // namespace
 
 void write_cells(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& corners, PieceTurn turn) {
-    if (argument.kind == Kind::one) tree.one(argument.near);
+    if (argument.kind == Kind::whole_piece) tree.one(argument.near);
     if (argument.kind == Kind::nearest_corner) write_nearest_corner(tree, corners, turn);
     if (argument.kind == Kind::corner_cut_off) write_corner_cut_off(tree, argument, corners, turn);
     if (argument.kind == Kind::three) write_three(tree, corners, turn);

@@ -101,7 +101,7 @@ PieceProofs::Node PieceProofs::cut(Node piece, std::size_t opposite) {
     return first;
 }
 
-void PieceProofs::one(Node piece, double upper, Index near) {
+void PieceProofs::prove(Node piece, double upper, Index near) {
     Entry& entry = nodes_[piece];
     if (!(upper < entry.upper)) return;
     entry.upper = upper;
@@ -110,7 +110,7 @@ void PieceProofs::one(Node piece, double upper, Index near) {
 }
 
 void PieceProofs::prove(Node piece, double upper, const PieceArgument& argument, const PieceCorners& corners) {
-    if (argument.kind == PieceArgument::Kind::one) return one(piece, upper, argument.near);
+    if (argument.kind == PieceArgument::Kind::whole_piece) return prove(piece, upper, argument.near);
     Entry& entry = nodes_[piece];
     if (!(upper < entry.upper)) return;
     entry.upper = upper;

@@ -55,7 +55,7 @@ public:
 
     // Records an upper bound of a piece: none of its points is farther than `upper` from triangle `near` of B. Has no
     // effect unless `upper` is less than upper(piece).
-    void one(Node piece, double upper, Index near);
+    void prove(Node piece, double upper, Index near);
 
     // Records an upper bound from PieceBounds, with the reason why it holds. Has no effect unless `upper` is less than
     // upper(piece).

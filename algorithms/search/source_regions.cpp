@@ -29,10 +29,10 @@ void SourceRegions::lower(Region& region) {
 // Returns false without searching if this was done before, or if half the diagonal of the box is too large to skip the
 // region: no q gives a smaller bound.
 bool SourceRegions::improve(Region& region) {
-    if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
+    if (region.centred || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
         return false;
     const ClosestPoint nearest = target_.closest(0.5 * (region.box.low + region.box.high), region.near, counters_);
-    region.own = true;
+    region.centred = true;
     region.q = WATCHED_ELSE("regions: a part takes the point of the whole for its own bound", nearest.point,
                             Vec3(0.5 * (region.box.low + region.box.high)));
     region.near = nearest.triangle;
@@ -68,7 +68,7 @@ bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
             for (int k = 0; k < node.count; ++k) {
                 Region part = region;
                 part.child = node.child[k];
-                part.own = false;
+                part.centred = false;
                 part.box = WATCHED_ELSE("regions: boxes of A where it was before it moved",
                                         posed_box(node.boxes.box(k), pose_, all_), node.boxes.box(k));
                 if (region.near >= 0) lower(part);

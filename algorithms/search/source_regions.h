@@ -52,7 +52,7 @@ private:
         Index near;          // the triangle of B that contains q; -1: q is not set yet
         Index shown;         // the triangle of B that is within `upper` of every point of the box; -1: none yet
         std::int32_t child;  // the node or leaf, as in WideNode
-        bool own;            // whether q was found for the centre of this box, not of a larger one
+        bool centred;        // whether q was found for the centre of this box, not of a larger one
     };
 
     bool improve(Region& region);

@@ -75,7 +75,7 @@ bool SourceVertices::measure() {
 bool SourceVertices::leave_out(Index i, double upper, Index near) {
     if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
     if (WATCHED("proofs: what a vertex or a region leaves out", proofs_))
-        proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
+        proofs_->prove(static_cast<PieceProofs::Node>(i), upper, near);
     settled_[static_cast<std::size_t>(i)] = true;
     return true;
 }

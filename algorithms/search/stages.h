@@ -21,8 +21,8 @@ public:
         if (!on_) return;
         const auto now = std::chrono::steady_clock::now();
         const double seconds = std::chrono::duration<double>(now - begin_).count();
-        const auto [known, first] = seconds_.emplace(std::string(stage_prefix) + name, seconds);
-        if (!first) std::get<double>(known->second) += seconds;
+        const auto [entry, first] = seconds_.emplace(std::string(stage_prefix) + name, seconds);
+        if (!first) std::get<double>(entry->second) += seconds;
         begin_ = now;
     }
 

@@ -40,7 +40,7 @@ template <class Vertex> struct Cut {
     }
 };
 
-// Cuts a triangle into four pieces, with a new vertex on each edge. `Vertex` has a member `point`. place(one, two)
+// Cuts a triangle into four pieces, with a new vertex on each edge. `Vertex` has a member `point`. place(from, to)
 // returns the point at which to cut the edge between two vertices. measure(point, near) returns the new vertex at this
 // point; `near` is an end of the edge, whose nearest triangle of B is a good start for a query.
 template <class Vertex, class Place, class Measure>
@@ -48,8 +48,8 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
     Cut<Vertex> cut;
     for (std::size_t k = 0; k < 3; ++k) cut.vertices[k] = corners[k];
     for (std::size_t k = 0; k < 3; ++k) {  // vertices 3, 4, 5 are on the edges opposite to corners 0, 1, 2
-        const Vertex &one = cut.vertices[(k + 1) % 3], &two = cut.vertices[(k + 2) % 3];
-        cut.vertices[cut.vertex_count++] = measure(place(one, two), one);
+        const Vertex &from = cut.vertices[(k + 1) % 3], &to = cut.vertices[(k + 2) % 3];
+        cut.vertices[cut.vertex_count++] = measure(place(from, to), from);
     }
     cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
     cut.piece_count = WATCHED_ELSE("subdivision: the piece in the middle", 4, 3);
@@ -61,7 +61,7 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
 // is the corner opposite to it.
 template <class Vertex, class Measure>
 Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
-    const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };
+    const auto midpoint = [](const Vertex& from, const Vertex& to) { return Vec3(0.5 * (from.point + to.point)); };
     if (split == Split::midpoint) return cut_in_four(corners, midpoint, measure);
     Cut<Vertex> cut;
     for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // initialises unused vertices, too
@@ -74,11 +74,11 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
             opposite = k;
         }
     }
-    const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
-    cut.vertices[cut.vertex_count++] = measure(midpoint(corners[one], corners[two]), corners[one]);
-    cut.pieces[0] = {opposite, one, 3};
+    const std::size_t next = (opposite + 1) % 3, last = (opposite + 2) % 3;
+    cut.vertices[cut.vertex_count++] = measure(midpoint(corners[next], corners[last]), corners[next]);
+    cut.pieces[0] = {opposite, next, 3};
     cut.pieces[1] =
-        WATCHED_ELSE("subdivision: both halves", (std::array<std::size_t, 3>{opposite, 3, two}), cut.pieces[0]);
+        WATCHED_ELSE("subdivision: both halves", (std::array<std::size_t, 3>{opposite, 3, last}), cut.pieces[0]);
     cut.piece_count = 2;
     return cut;
 }

@@ -11,8 +11,8 @@ ClosestPoint textbook_closest_by_scan(const TriangleMesh& mesh, const Vec3& poin
     ++counters.closest_point_queries;
     for (Index i = 0; i < mesh.triangles.rows(); ++i) {
         ++counters.point_triangle_distances;
-        const TrianglePoint found = textbook_closest_point(point, triangle_of(mesh, i));
-        if (found.squared_distance <= best.squared_distance) offer(best, found, i);
+        const TrianglePoint foot = textbook_closest_point(point, triangle_of(mesh, i));
+        if (foot.squared_distance <= best.squared_distance) offer(best, foot, i);
     }
     return best;
 }

@@ -96,13 +96,13 @@ std::optional<Undone> undo(const SolverInfo& info, const Query& query, const Sha
 // Returns the query to solve instead of `query` if the motion is undone. move_back() turns its answer into an answer to
 // `query`.
 Query undone_query(const Query& query, const Undone& undone) {
-    Query asked = query;
-    asked.source_pose = undone.source;
-    asked.target_pose = Pose{};
-    asked.tolerance.value -= WATCHED("undone motion: room in the tolerance", 4 * undone.slack);
-    asked.floor = std::max(query.floor - WATCHED("undone motion: room at the floor", undone.slack), 0.0);
-    asked.cutoff = query.cutoff + WATCHED("undone motion: room at the cutoff", undone.slack);
-    return asked;
+    Query changed = query;
+    changed.source_pose = undone.source;
+    changed.target_pose = Pose{};
+    changed.tolerance.value -= WATCHED("undone motion: room in the tolerance", 4 * undone.slack);
+    changed.floor = std::max(query.floor - WATCHED("undone motion: room at the floor", undone.slack), 0.0);
+    changed.cutoff = query.cutoff + WATCHED("undone motion: room at the cutoff", undone.slack);
+    return changed;
 }
 
 // Turns an answer to undone_query() into an answer to the original query: widens the bounds and moves the witness
@@ -125,8 +125,8 @@ ShapeExtent extent_of(const PreparedShape& shape) { return {kind_of(shape.shape(
 
 bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExtent& source, const ShapeExtent& target) {
     if (info.can(Ability::moving_target)) return false;
-    const auto copied = [&](const Query& one, const ShapeExtent& a, const ShapeExtent& b) {
-        return !one.target_pose.is_identity() && !undo(info, one, a, b);
+    const auto copied = [&](const Query& directed, const ShapeExtent& a, const ShapeExtent& b) {
+        return !directed.target_pose.is_identity() && !undo(info, directed, a, b);
     };
     Query back = query;
     std::swap(back.source_pose, back.target_pose);
@@ -187,28 +187,28 @@ Result MovingTarget::solve(const Query& query, State* state, Trace& trace) const
     const Chain* opposite = chain ? std::exchange(chain->opposite, nullptr) : nullptr;
     const SolverInfo& info = maker_->info();
     const std::optional<Undone> undone = undo(info, query, extent_of(*source_), extent_of(*target_));
-    Query asked = undone ? undone_query(query, *undone) : query;
+    Query inner = undone ? undone_query(query, *undone) : query;
     std::unique_ptr<PreparedSolver> made;
-    if (!kept_ || (!info.can(Ability::moving_target) && !asked.target_pose.is_identity())) {
+    if (!kept_ || (!info.can(Ability::moving_target) && !inner.target_pose.is_identity())) {
         const Stoppable stoppable(query.interrupt);
         made = WATCHED_ELSE(
-            "session: a target at rest has structures of its own in a moving session", prepared_over_a_copy(asked),
-            asked.target_pose.is_identity() ? std::make_unique<PreparedSolver>(*maker_, source_, target_, queries_)
-                                            : prepared_over_a_copy(asked));
-        if (WATCHED("session: the time that a posed copy took", true)) asked.time_limit = clock.left(asked.time_limit);
+            "session: a target at rest has structures of its own in a moving session", prepared_over_a_copy(inner),
+            inner.target_pose.is_identity() ? std::make_unique<PreparedSolver>(*maker_, source_, target_, queries_)
+                                            : prepared_over_a_copy(inner));
+        if (WATCHED("session: the time that a posed copy took", true)) inner.time_limit = clock.left(inner.time_limit);
     }
     const PreparedSolver& solver = made ? *made : *kept_;
     if (chain && !chain->of_solver) chain->of_solver = solver.begin();
-    State* own = chain ? chain->of_solver.get() : nullptr;
-    if (own && opposite && opposite->of_solver) own->learn_from(*opposite->of_solver);
-    if (!undone) return solver.solve(asked, own, trace);
+    State* inner_state = chain ? chain->of_solver.get() : nullptr;
+    if (inner_state && opposite && opposite->of_solver) inner_state->learn_from(*opposite->of_solver);
+    if (!undone) return solver.solve(inner, inner_state, trace);
     Result result;
     {
         const Trace::Changing back(trace, [&](Result& so_far) {
             Trace none;
             move_back(so_far, none, *undone);
         });
-        result = solver.solve(asked, own, trace);
+        result = solver.solve(inner, inner_state, trace);
     }
     move_back(result, trace, *undone);
     return result;

@@ -115,9 +115,9 @@ Query scaled(const Query& query, int exponent) {
     out.floor = std::min(std::ldexp(query.floor, exponent),
                          WATCHED_ELSE("session: a floor stays finite", std::numeric_limits<double>::max(), infinity));
     out.cutoff = std::ldexp(query.cutoff, exponent);
-    for (Statistic& one : out.statistics)
-        if (WATCHED("distribution: lengths of statistics are scaled", is_share(one)))
-            one.argument = std::ldexp(one.argument, exponent);
+    for (Statistic& statistic : out.statistics)
+        if (WATCHED("distribution: lengths of statistics are scaled", is_share(statistic)))
+            statistic.argument = std::ldexp(statistic.argument, exponent);
     return out;
 }
 
@@ -127,11 +127,11 @@ Query scaled(const Query& query, int exponent) {
 // the witness of the first statistic, the lower bound decreases by as much, see scale_back().
 void scale_statistics_back(const Query& query, Result& result, int exponent, double wider, bool witness_rounded) {
     for (std::size_t i = 0; i < std::min(result.statistics.size(), query.statistics.size()); ++i) {
-        const Statistic& one = query.statistics[i];
+        const Statistic& statistic = query.statistics[i];
         Bounds& bounds = result.statistics[i];
-        if (is_share(one)) {
-            const bool exact = std::ldexp(std::ldexp(one.argument, exponent), -exponent) == one.argument ||
-                               std::isinf(std::ldexp(one.argument, exponent));
+        if (is_share(statistic)) {
+            const bool exact = std::ldexp(std::ldexp(statistic.argument, exponent), -exponent) == statistic.argument ||
+                               std::isinf(std::ldexp(statistic.argument, exponent));
             if (wider > 0 || WATCHED("distribution: a length that scaling rounds", !exact)) bounds = {0, 1};
         } else if (WATCHED("distribution: areas of shapes that scaling changes are unknown", wider > 0)) {
             bounds = {};
@@ -173,8 +173,8 @@ bool scale_back(Result& result, Trace& trace, int exponent, double wider) {
                             exponent, next_up);
     };
     for_each_bound(result, trace, down, up);
-    for (Certificate& one : result.certificates)
-        if (WATCHED("session: what a certificate proves is scaled back", true)) up(one.proven);
+    for (Certificate& certificate : result.certificates)
+        if (WATCHED("session: what a certificate proves is scaled back", true)) up(certificate.proven);
     for (auto& [name, value] : result.reported) {
         auto* length = std::get_if<double>(&value);
         if (WATCHED("session: lengths that a solver reports are scaled back",

@@ -38,15 +38,15 @@ void check_statistics(const Query& query, const Shape& source, const Shape& targ
             fmt::format("query: the tolerance of shares is {}; give a positive number", query.share_tolerance));
     if (query.weigh == WeighBy::number) return;
     const CountedBy a = counted_by(source), b = counted_by(target);
-    for (const Statistic& one : query.statistics) {
-        if (one.over == Statistic::Over::pooled &&
+    for (const Statistic& statistic : query.statistics) {
+        if (statistic.over == Statistic::Over::pooled &&
             WATCHED_ELSE("distribution: lengths and areas are not pooled",
                          a != b && a != CountedBy::nothing && b != CountedBy::nothing,
                          (a == CountedBy::points) != (b == CountedBy::points)))
             throw InputError(fmt::format(
                 "query: '{}' would add areas, lengths or numbers of points to each other; count each vertex "
                 "once, or take another statistic",
-                to_string(one)));
+                to_string(statistic)));
     }
 }
 
@@ -167,15 +167,16 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
     if (WATCHED("session: the direction that a solver does not take", true)) expect(query.quantity);
     if (query.quantity == Quantity::distribution) check_statistics(query, pair_.source->shape(), pair_.target->shape());
-    Query asked = query;
-    asked.threads = usable_threads(query.threads);
+    Query inner = query;
+    inner.threads = usable_threads(query.threads);
     // The bounds that a solver without this ability offers need not hold before its answer.
     Trace unwatched;
     const bool shows = maker_->info().can(Ability::traces) || query.quantity == Quantity::distribution;
-    Result result = solver_->solve(asked, state, shows || trace.on() ? trace : unwatched);
+    Result result = solver_->solve(inner, state, shows || trace.on() ? trace : unwatched);
     if (query.quantity == Quantity::directed) {
         result.witness.direction = Witness::Direction::source_to_target;
-        for (Certificate& one : result.certificates) one.direction = Witness::Direction::source_to_target;
+        for (Certificate& certificate : result.certificates)
+            certificate.direction = Witness::Direction::source_to_target;
     }
     if (WATCHED("session: fields that nobody wants", !query.wanted.fields || !maker_->info().can(Ability::fields)))
         result.fields.reset();

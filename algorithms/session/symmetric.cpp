@@ -12,9 +12,9 @@ namespace {
 // Turns an answer to h(B,A) into a part of an answer to H(A,B): exchanges source and target in the witness, and marks
 // all entries as belonging to the direction from B to A.
 void turn_around(Result& result) {
-    for (Certificate& one : result.certificates)
+    for (Certificate& certificate : result.certificates)
         if (WATCHED("H: the direction of a certificate of h(B,A)", true))
-            one.direction = Witness::Direction::target_to_source;
+            certificate.direction = Witness::Direction::target_to_source;
     if (WATCHED("H: the points of a witness from B to A", true))
         std::swap(result.witness.source_point, result.witness.target_point);
     if (WATCHED("H: the elements of a witness from B to A", true))
@@ -137,16 +137,16 @@ Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& t
         return opening;
     for (query.budget = 64; query.budget < most; query.budget = more(query.budget)) {
         const double limit = query.time_limit;
-        Query asked = query;
-        asked.time_limit = clock.left(limit);
+        Query trial = query;
+        trial.time_limit = clock.left(limit);
         opening.begin = clock.elapsed();
-        Result forward = directed(asked, false, nullptr, trace);
+        Result forward = directed(trial, false, nullptr, trace);
         if (forward.status != Status::budget) {
             opening.forward = std::move(forward);
             return opening;
         }
-        asked.time_limit = clock.left(limit);
-        const Result backward = directed(asked, true, nullptr, trace);
+        trial.time_limit = clock.left(limit);
+        const Result backward = directed(trial, true, nullptr, trace);
         opening.spent += forward.counters;
         if (WATCHED("H: relative tolerances: what was tried is work too", true)) opening.spent += backward.counters;
         opening.backward = WATCHED("H: relative tolerances: the larger direction first",
@@ -160,24 +160,25 @@ Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& t
 
 Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     const WallClock clock;
-    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
-    Query asked = query;
+    Trace first_trace(trace.on() ? Trace::Mode::on : Trace::Mode::off), second_trace = first_trace;
+    Query inner = query;
     std::unique_ptr<State> alone;  // states for this query alone, so that the second direction can learn from the first
     if (!chain && info_.can(Ability::shared_pairs)) {
         alone = begin();
         chain = static_cast<Chain*>(alone.get());
     }
-    one.watch(trace.watched() ? [&](Result& so_far) {
+    first_trace.watch(trace.watched() ? [&](Result& so_far) {
         so_far.bounds.upper = infinity;
         trace.show(so_far);
     } : Trace::Watcher());
-    Opening opening = open(query, clock, one);
+    Opening opening = open(query, clock, first_trace);
     const double before = opening.forward ? opening.begin : clock.elapsed();
-    asked.time_limit = clock.left(query.time_limit);
-    Result whole = opening.forward ? std::move(*opening.forward) : directed(asked, opening.backward, chain, one);
+    inner.time_limit = clock.left(query.time_limit);
+    Result whole =
+        opening.forward ? std::move(*opening.forward) : directed(inner, opening.backward, chain, first_trace);
     whole.counters += opening.spent;
     // H(A,B) has no upper bound until the other direction has one.
-    for (const TraceSample& sample : one.samples())
+    for (const TraceSample& sample : first_trace.samples())
         trace.samples().push_back(
             {before + sample.seconds, sample.lower,
              WATCHED_ELSE("H: no upper bound before both directions have one", infinity, sample.upper)});
@@ -186,25 +187,25 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
         return whole;
     }
     const double first = clock.elapsed();
-    asked.time_limit =
+    inner.time_limit =
         WATCHED_ELSE("H: the time that the first direction took", clock.left(query.time_limit), query.time_limit);
-    asked.floor = std::max(WATCHED("H: a floor of the query that is higher", query.floor),
+    inner.floor = std::max(WATCHED("H: a floor of the query that is higher", query.floor),
                            WATCHED("H: the first lower bound is the floor of the second direction",
                                    WATCHED_ELSE("H: the floor is proven, so it is no upper bound", whole.bounds.lower,
                                                 whole.bounds.upper)));
     // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
-    if (WATCHED_ELSE("H: a question keeps its floor", query.floor < query.cutoff, true) && asked.floor >= query.cutoff)
-        asked.floor =
+    if (WATCHED_ELSE("H: a question keeps its floor", query.floor < query.cutoff, true) && inner.floor >= query.cutoff)
+        inner.floor =
             WATCHED_ELSE("H: a floor that is the cutoff asks no question", next_down(query.cutoff), query.cutoff);
     if (WATCHED("session: the second direction learns of the first", info_.can(Ability::shared_pairs)))
         chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
-    two.watch(trace.watched() ? [&](Result& so_far) {
+    second_trace.watch(trace.watched() ? [&](Result& so_far) {
         so_far.bounds = {std::max(whole.bounds.lower, so_far.bounds.lower),
                          std::max(whole.bounds.upper, so_far.bounds.upper)};
         trace.show(so_far);
     } : Trace::Watcher());
-    const Result other = directed(asked, !opening.backward, chain, two);
-    for (const TraceSample& sample : two.samples()) {
+    const Result other = directed(inner, !opening.backward, chain, second_trace);
+    for (const TraceSample& sample : second_trace.samples()) {
         trace.samples().push_back(
             {first + sample.seconds,
              std::max(WATCHED("H: the first lower bound counts in the trace", whole.bounds.lower), sample.lower),

@@ -31,16 +31,17 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 #if HWY_CAP_GE256
     const Doubles d;
     const hn::FixedTag<double, 1> single;
-    const auto xy = [&](int one, int other)
-                        HWY_ATTR { return hn::Combine(d, hn::LoadU(pair, place[other]), hn::LoadU(pair, place[one])); };
-    const auto z = [&](int one, int other) HWY_ATTR {
-        return hn::Combine(pair, hn::LoadU(single, place[other] + 2), hn::LoadU(single, place[one] + 2));
+    const auto xy = [&](int lower, int upper) HWY_ATTR {
+        return hn::Combine(d, hn::LoadU(pair, place[upper]), hn::LoadU(pair, place[lower]));
+    };
+    const auto z = [&](int lower, int upper) HWY_ATTR {
+        return hn::Combine(pair, hn::LoadU(single, place[upper] + 2), hn::LoadU(single, place[lower] + 2));
     };
     const V even = xy(0, 2), odd = xy(1, 3);
     return {hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd), hn::Combine(d, z(2, 3), z(0, 1))};
 #else
-    const V one = hn::LoadU(pair, place[0]), other = hn::LoadU(pair, place[1]);
-    return {hn::InterleaveLower(pair, one, other), hn::InterleaveUpper(pair, one, other),
+    const V first = hn::LoadU(pair, place[0]), second = hn::LoadU(pair, place[1]);
+    return {hn::InterleaveLower(pair, first, second), hn::InterleaveUpper(pair, first, second),
             hn::InterleaveUpper(pair, hn::LoadU(pair, place[0] + 1), hn::LoadU(pair, place[1] + 1))};
 #endif
 }

@@ -87,8 +87,8 @@ void Builder::put_in_order(const Range& range, std::int32_t middle) {
     std::int32_t left = 0, right = 0;
     for (std::int32_t i = 0; i < size; ++i) {
         Int4 less{};  // minus the number of smaller keys, because a comparison that is true gives -1
-        const Int4 own = Int4{} + key(i)[i % 4];
-        for (std::int32_t j = 0; j < fours; ++j) less += keys[static_cast<std::size_t>(j)] < own;
+        const Int4 mine = Int4{} + key(i)[i % 4];
+        for (std::int32_t j = 0; j < fours; ++j) less += keys[static_cast<std::size_t>(j)] < mine;
         const bool is_left = -(less[0] + less[1] + less[2] + less[3]) < middle - range.begin;
         const FloatBox element = first[i];
         first[left] = element;

@@ -49,7 +49,7 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
         }
     });
     Box box;
-    for (const Box& one : boxes) box.add(one);
+    for (const Box& block_box : boxes) box.add(block_box);
     order = hilbert_order(centres, MortonFrame(box), threads);
 }
 

@@ -108,8 +108,8 @@ void tree_textbook(const WideTree& tree, const TriangleLeaves& leaves, const Vec
             const TriangleLeaf& leaf = leaves.leaf[number];
             for (int i = 0; i < leaf.count; ++i) {
                 ++counters.point_triangle_distances;
-                const TrianglePoint found = textbook_closest_point(point, leaf.at(i, leaves.vertices));
-                if (found.squared_distance <= best.squared_distance) offer(best, found, leaves.order[leaf.first + i]);
+                const TrianglePoint foot = textbook_closest_point(point, leaf.at(i, leaves.vertices));
+                if (foot.squared_distance <= best.squared_distance) offer(best, foot, leaves.order[leaf.first + i]);
             }
             squared = best.squared_distance;
             return best.triangle < 0 || best.squared_distance > early_out_squared;

@@ -234,10 +234,10 @@ private:
         double best = infinity;
         for (int i = 0; i < 3; ++i) {
             const Vec3 v = vertex(t, i);
-            const auto found = tree_.nearby(v, v, counters_);
-            if (!found) continue;
+            const auto point = tree_.nearby(v, v, counters_);
+            if (!point) continue;
             const double edge = std::max(apart(v, vertex(t, (i + 1) % 3)), apart(v, vertex(t, (i + 2) % 3)));
-            best = std::min(best, apart(v, found->at) + found->error + edge);
+            best = std::min(best, apart(v, point->at) + point->error + edge);
         }
         return best;
     }
@@ -254,9 +254,9 @@ private:
             for (int z = cell[2] - ring; z <= cell[2] + ring; ++z) {
                 for (int y = cell[1] - ring; y <= cell[1] + ring; ++y) {
                     for (int x = cell[0] - ring; x <= cell[0] + ring; ++x) {
-                        const auto found = by_cell_.find({x, y, z});
-                        if (found == by_cell_.end()) continue;
-                        for (const Index t : found->second) best = std::min(best, to_triangle(p, t));
+                        const auto entry = by_cell_.find({x, y, z});
+                        if (entry == by_cell_.end()) continue;
+                        for (const Index t : entry->second) best = std::min(best, to_triangle(p, t));
                     }
                 }
             }

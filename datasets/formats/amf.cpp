@@ -129,10 +129,10 @@ private:
 
     // Returns the child elements with this name and the prefix of the root element.
     std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name) const {
-        std::vector<pugi::xml_node> found;
+        std::vector<pugi::xml_node> matches;
         for (const pugi::xml_node child : node.children())
-            if (is(child, name)) found.push_back(child);
-        return found;
+            if (is(child, name)) matches.push_back(child);
+        return matches;
     }
 
     bool is(pugi::xml_node node, std::string_view name) const {
@@ -142,10 +142,10 @@ private:
     }
 
     pugi::xml_node only_child(pugi::xml_node node, std::string_view name) const {
-        const auto found = children(node, name);
-        if (found.size() != 1)
-            xml_.refuse(node, fmt::format("<{}> has {} <{}>, not one", shown(node.name()), found.size(), name));
-        return found[0];
+        const auto matches = children(node, name);
+        if (matches.size() != 1)
+            xml_.refuse(node, fmt::format("<{}> has {} <{}>, not one", shown(node.name()), matches.size(), name));
+        return matches[0];
     }
 
     // Returns the text of an element, without blanks at its ends.
@@ -204,11 +204,11 @@ private:
         return mesh;
     }
 
-    void note_unknown(pugi::xml_node node, std::initializer_list<std::string_view> known) {
+    void note_unknown(pugi::xml_node node, std::initializer_list<std::string_view> expected) {
         static const std::set<std::string_view> harmless = {"metadata", "color", "texmap", "map"};
         const std::string_view name = local_name(node.name());
         if (node.type() == pugi::node_element && !harmless.contains(name) &&
-            std::find(known.begin(), known.end(), name) == known.end())
+            std::find(expected.begin(), expected.end(), name) == expected.end())
             note(fmt::format("<{}> in <{}> is not an element of AMF, and is left out", shown(node.name()),
                              shown(node.parent().name())));
     }
@@ -324,7 +324,8 @@ private:
         for (const pugi::xml_node child : instance.children()) {
             const std::string_view name = child.name();
             const auto at = static_cast<std::size_t>(
-                std::find_if(names.begin(), names.end(), [&](auto one) { return is(child, one); }) - names.begin());
+                std::find_if(names.begin(), names.end(), [&](auto expected) { return is(child, expected); }) -
+                names.begin());
             if (at < names.size()) {
                 if (values[at]) xml_.refuse(child, fmt::format("a second <{}>: remove one", name));
                 values[at] = number_of(child);
@@ -406,17 +407,17 @@ private:
 Soup read_amf(const Input& input) {
     if (!input.bytes.starts_with("PK\x03\x04")) return AmfFile(input.name, input.bytes).read();
     ZipFile zip(input.name, input.bytes);
-    std::string found;
+    std::string model_path;
     for (const auto& [path, entry] : zip.names())
         if (path.ends_with(".amf")) {
-            if (!found.empty())
+            if (!model_path.empty())
                 throw InputError(
                     fmt::format("{}: its archive has several .amf files: unpack it, and name one of them", input.name));
-            found = path;
+            model_path = path;
         }
-    if (found.empty())
+    if (model_path.empty())
         throw InputError(input.name + ": its archive has no .amf file: unpack it, and name a file in it");
-    return AmfFile(fmt::format("{}: {}", input.name, one_line(found)), zip.read(found)).read();
+    return AmfFile(fmt::format("{}: {}", input.name, one_line(model_path)), zip.read(model_path)).read();
 }
 
 }  // namespace hausbench::readers

@@ -140,14 +140,14 @@ private:
     // Returns the element that "#id" in an attribute of `input` names. It must be in the same mesh.
     pugi::xml_node source_of(pugi::xml_node input) const {
         const std::string url = xml_.text(input, "source");
-        const auto found = url.starts_with('#') ? sources_.find(std::string_view(url).substr(1)) : sources_.end();
-        if (found == sources_.end())
+        const auto entry = url.starts_with('#') ? sources_.find(std::string_view(url).substr(1)) : sources_.end();
+        if (entry == sources_.end())
             xml_.refuse(input, fmt::format("source=\"{}\" names no <source> of the same <mesh>: move it there, or save "
                                            "the file again",
                                            shown(url)));
-        if (!found->second)
-            xml_.refuse(input, fmt::format("two <source> elements have the id '{}': rename one", shown(found->first)));
-        return found->second;
+        if (!entry->second)
+            xml_.refuse(input, fmt::format("two <source> elements have the id '{}': rename one", shown(entry->first)));
+        return entry->second;
     }
 
     std::vector<Vec3> positions() const {
@@ -206,15 +206,15 @@ private:
         if (place > stride)
             xml_.refuse(accessor, fmt::format("has {} params and the stride {}: save the file again", place, stride));
         std::array<std::size_t, 3> places{};
-        std::array<bool, 3> found{};
+        std::array<bool, 3> seen{};
         for (const auto& [name, at] : named) {
             const std::size_t k = std::string_view("XYZ").find(name.size() == 1 ? name[0] & ~0x20 : '?');
-            if (k >= 3 || found[k])
+            if (k >= 3 || seen[k])
                 xml_.refuse(
                     accessor,
                     fmt::format("has a param '{}' where X, Y and Z are expected, once each: rename it", shown(name)));
             places[k] = at;
-            found[k] = true;
+            seen[k] = true;
         }
         return places;
     }
@@ -284,14 +284,14 @@ private:
         if (indices.size() % stride != 0)
             xml_.refuse(p, fmt::format("<p> has {} indices, not {} for each corner: it is damaged, save the file again",
                                        indices.size(), stride));
-        std::vector<std::size_t> found;
+        std::vector<std::size_t> vertices;
         for (std::size_t i = vertex; i < indices.size(); i += stride) {
             if (indices[i] >= mesh_.points.size())
                 xml_.refuse(p, fmt::format("'{}' names none of the {} vertices, which are counted from 0", indices[i],
                                            mesh_.points.size()));
-            found.push_back(indices[i]);
+            vertices.push_back(indices[i]);
         }
-        return found;
+        return vertices;
     }
 
     void add_primitive(pugi::xml_node primitive) {
@@ -413,8 +413,8 @@ private:
         for (pugi::xml_node at = xml_.root(); at;) {
             const pugi::xml_attribute id = at.attribute("id");
             if (id && is_one_of(at, kinds)) {
-                const auto [found, added] = ids_.emplace(fmt::format("{}#{}", local_name(at.name()), id.value()), at);
-                if (!added) found->second = {};
+                const auto [entry, added] = ids_.emplace(fmt::format("{}#{}", local_name(at.name()), id.value()), at);
+                if (!added) entry->second = {};
             }
             if (is_element(at, "asset") && at.parent() != xml_.root()) inner_assets_.push_back(at);
             if (is_element(at, "animation")) ++animations_;
@@ -435,13 +435,13 @@ private:
             xml_.refuse(instance, fmt::format("url=\"{}\" leads out of the file, which is not supported: export "
                                               "everything into one file",
                                               shown(url)));
-        const auto found = ids_.find(std::string(kind) + url);
-        if (found == ids_.end())
+        const auto entry = ids_.find(std::string(kind) + url);
+        if (entry == ids_.end())
             xml_.refuse(instance, fmt::format("url=\"{}\" names no <{}>: save the file again", shown(url), kind));
-        if (!found->second)
+        if (!entry->second)
             xml_.refuse(instance, fmt::format("two <{}> elements have the id '{}': rename one", kind,
                                               shown(std::string_view(url).substr(1))));
-        return found->second;
+        return entry->second;
     }
 
     void read_asset() {
@@ -475,11 +475,11 @@ private:
 
     // Adds a note if an asset within an element states another unit or axis than the document.
     void note_inner(pugi::xml_node asset) {
-        const auto metres_of = [&](pugi::xml_node one) {
-            return decimal(trimmed(xml_.only_child(one, "unit").attribute("meter").as_string("1")));
+        const auto metres_of = [&](pugi::xml_node element) {
+            return decimal(trimmed(xml_.only_child(element, "unit").attribute("meter").as_string("1")));
         };
-        const auto up_of = [&](pugi::xml_node one) {
-            const std::string text = xml_.content(xml_.only_child(one, "up_axis"));
+        const auto up_of = [&](pugi::xml_node element) {
+            const std::string text = xml_.content(xml_.only_child(element, "up_axis"));
             return trimmed(text) == "" ? "Y_UP" : std::string(trimmed(text));
         };
         const pugi::xml_node whole_file = xml_.only_child(xml_.root(), "asset");
@@ -499,7 +499,8 @@ private:
         if (!instances.empty()) return named(instances[0], "visual_scene");
         std::vector<pugi::xml_node> scenes;
         for (const pugi::xml_node library : Xml::children(xml_.root(), "library_visual_scenes"))
-            for (const pugi::xml_node one : Xml::children(library, "visual_scene")) scenes.push_back(one);
+            for (const pugi::xml_node visual_scene : Xml::children(library, "visual_scene"))
+                scenes.push_back(visual_scene);
         if (scenes.size() != 1)
             xml_.refuse(xml_.root(), fmt::format("has no <scene> that says which of the {} visual scenes counts: add "
                                                  "<scene> with <instance_visual_scene>",
@@ -511,13 +512,13 @@ private:
     // Returns the numbers of a transform element.
     template <std::size_t n> std::array<double, n> values(pugi::xml_node node) const {
         const std::string text = xml_.content(node);
-        const std::vector<double> found = xml_.numbers(node, text);
-        if (found.size() != n)
-            xml_.refuse(node, fmt::format("<{}> has {} numbers, not {}", local_name(node.name()), found.size(), n));
+        const std::vector<double> parsed = xml_.numbers(node, text);
+        if (parsed.size() != n)
+            xml_.refuse(node, fmt::format("<{}> has {} numbers, not {}", local_name(node.name()), parsed.size(), n));
         std::array<double, n> all{};
-        std::copy(found.begin(), found.end(), all.begin());
-        for (const double one : all)
-            if (!std::isfinite(one))
+        std::copy(parsed.begin(), parsed.end(), all.begin());
+        for (const double number : all)
+            if (!std::isfinite(number))
                 xml_.refuse(node, fmt::format("<{}> has a number that is not finite", local_name(node.name())));
         return all;
     }
@@ -631,8 +632,8 @@ private:
     bool is_hidden(pugi::xml_node node) const {
         for (const pugi::xml_node extra : Xml::children(node, "extra"))
             for (const pugi::xml_node technique : Xml::children(extra, "technique"))
-                for (const pugi::xml_node one : Xml::children(technique, "visibility")) {
-                    const std::string text = xml_.content(one), value = lower_case(trimmed(text));
+                for (const pugi::xml_node visibility : Xml::children(technique, "visibility")) {
+                    const std::string text = xml_.content(visibility), value = lower_case(trimmed(text));
                     if (value == "false" || decimal(value) == 0.0) return true;
                 }
         return false;
@@ -657,10 +658,10 @@ private:
     void draw_geometry(pugi::xml_node instance, const Placement& at) {
         const pugi::xml_node geometry = named(instance, "geometry");
         if (at.wrong) xml_.refuse(at.wrong, at.why);
-        auto found = meshes_.find(geometry.internal_object());
-        if (found == meshes_.end())
-            found = meshes_.emplace(geometry.internal_object(), MeshReader(xml_, geometry, odd_).read()).first;
-        const ColladaMesh& mesh = found->second;
+        auto entry = meshes_.find(geometry.internal_object());
+        if (entry == meshes_.end())
+            entry = meshes_.emplace(geometry.internal_object(), MeshReader(xml_, geometry, odd_).read()).first;
+        const ColladaMesh& mesh = entry->second;
         spend(instance, mesh.points.size() + mesh.faces.size() + mesh.corners);
         if (mesh.faces.empty()) return;
         ++soup_.objects;

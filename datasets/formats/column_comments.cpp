@@ -238,7 +238,7 @@ void ColumnComments::take_length_unit(std::string_view text) {
 
 bool ColumnComments::name_coordinates() const {
     return std::any_of(comments_.begin(), comments_.end(),
-                       [](const Comment& one) { return coordinates_named(one.fields) > 1; });
+                       [](const Comment& comment) { return coordinates_named(comment.fields) > 1; });
 }
 
 bool ColumnComments::is_list(const Comment& comment, std::size_t width) const {
@@ -277,11 +277,11 @@ Header ColumnComments::header_of(const std::string& name, const Comment& comment
 
 ColumnComments::Comment ColumnComments::joined_singles(std::size_t width) const {
     Comment joined;
-    for (const Comment& one : comments_) {
-        if (!one.single) continue;
-        joined.fields.push_back(one.fields[0]);
-        joined.numbers.push_back(one.numbers[0]);
-        joined.line = one.line;
+    for (const Comment& comment : comments_) {
+        if (!comment.single) continue;
+        joined.fields.push_back(comment.fields[0]);
+        joined.numbers.push_back(comment.numbers[0]);
+        joined.line = comment.line;
     }
     joined.single = true;
     std::vector<std::size_t> sorted = joined.numbers;
@@ -342,8 +342,8 @@ Header ColumnComments::names(const std::string& name, std::size_t width) const {
 }
 
 Header ColumnComments::words(std::size_t width) const {
-    for (auto one = comments_.rbegin(); one != comments_.rend(); ++one)
-        if (one->fields.size() == width && width > 2) return {one->fields, one->line, {}, true};
+    for (auto comment = comments_.rbegin(); comment != comments_.rend(); ++comment)
+        if (comment->fields.size() == width && width > 2) return {comment->fields, comment->line, {}, true};
     return {};
 }
 

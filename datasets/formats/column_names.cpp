@@ -27,9 +27,9 @@ using Family = std::array<Names, 3>;
 Family with_axis(const std::string& pattern) {
     Family family;
     for (std::size_t k = 0; k < 3; ++k) {
-        std::string one = pattern;
-        one[one.find('*')] = "xyz"[k];
-        family[k] = {one};
+        std::string name = pattern;
+        name[name.find('*')] = "xyz"[k];
+        family[k] = {name};
     }
     return family;
 }
@@ -120,7 +120,7 @@ std::string_view after_slash(std::string_view field) {
 std::vector<std::string> names_of(std::string_view field) {
     std::string_view rest = field, before, inside;
     std::vector<std::string> names = {bare(field).name};
-    for (std::string_view one = trimmed(field); split_brackets(one, before, inside); one = trimmed(before))
+    for (std::string_view outer = trimmed(field); split_brackets(outer, before, inside); outer = trimmed(before))
         if (is_letter_of_axis(inside) && trimmed(before).size() < before.size()) names.push_back(lower_case(inside));
     while (rest.find('/') != std::string_view::npos) {
         const std::size_t slash = rest.find('/');
@@ -133,23 +133,23 @@ std::vector<std::string> names_of(std::string_view field) {
 
 // Returns, for each coordinate, the columns that this family names. A field such as "x/y/z" names none.
 std::array<std::vector<std::size_t>, 3> columns_of(const Family& family, const std::vector<std::string_view>& fields) {
-    std::array<std::vector<std::size_t>, 3> found;
+    std::array<std::vector<std::size_t>, 3> columns;
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::vector<std::string> names = names_of(fields[i]);
         std::array<bool, 3> named{};
         for (std::size_t k = 0; k < 3; ++k)
             named[k] =
-                std::any_of(names.begin(), names.end(), [&](const auto& one) { return family[k].contains(one); });
+                std::any_of(names.begin(), names.end(), [&](const auto& name) { return family[k].contains(name); });
         for (std::size_t k = 0; k < 3; ++k)
-            if (named[k] && !named[(k + 1) % 3] && !named[(k + 2) % 3]) found[k].push_back(i);
+            if (named[k] && !named[(k + 1) % 3] && !named[(k + 2) % 3]) columns[k].push_back(i);
     }
-    return found;
+    return columns;
 }
 
 int count_angles(const std::vector<std::string_view>& fields) {
     return static_cast<int>(std::count_if(fields.begin(), fields.end(), [](std::string_view field) {
         const std::vector<std::string> names = names_of(field);
-        return std::any_of(names.begin(), names.end(), [](const auto& one) { return angles().contains(one); });
+        return std::any_of(names.begin(), names.end(), [](const auto& name) { return angles().contains(name); });
     }));
 }
 
@@ -186,8 +186,8 @@ std::array<std::string, 3> units_of(const Header& header, const std::array<std::
 void take_unit(const std::string& name, const Header& header, bool must_agree, ColumnChoice& choice) {
     std::array<std::string, 3> units = units_of(header, choice.columns);
     const auto length = [](const std::string& unit) {
-        const auto known = unit_named(unit);
-        return known ? known->micrometres : 0.0;
+        const auto match = unit_named(unit);
+        return match ? match->micrometres : 0.0;
     };
     const auto same = [&](std::size_t k) {
         return lower_case(units[k]) == lower_case(units[0]) ||
@@ -227,14 +227,14 @@ std::size_t column_named(const std::string& name, std::string_view wanted, const
         return how == 1 ? lower_case(field) == lower_case(wanted) : bare(field).name == plain(wanted);
     };
     for (int how = 0; how < 3; ++how) {
-        std::vector<std::size_t> found;
+        std::vector<std::size_t> columns;
         for (std::size_t i = 0; i < header.fields.size(); ++i)
-            if (matches(how, header.fields[i])) found.push_back(i);
-        if (found.size() > 1)
+            if (matches(how, header.fields[i])) columns.push_back(i);
+        if (columns.size() > 1)
             refuse(name, header.line,
                    fmt::format("{} columns are named '{}': choose one by its number, as in --columns 2,3,4",
-                               found.size(), shown(wanted)));
-        if (found.size() == 1) return found[0];
+                               columns.size(), shown(wanted)));
+        if (columns.size() == 1) return columns[0];
     }
     refuse(name, header.line, fmt::format("no column is named '{}', only {}", shown(wanted), list_of(header.fields)));
 }
@@ -283,8 +283,8 @@ bool may_be_header(const std::vector<std::string_view>& fields) {
 int coordinates_named(const std::vector<std::string_view>& fields) {
     int most = count_angles(fields);
     for (const Family& family : families()) {
-        const auto found = columns_of(family, fields);
-        most = std::max(most, static_cast<int>(std::count_if(found.begin(), found.end(),
+        const auto axes = columns_of(family, fields);
+        most = std::max(most, static_cast<int>(std::count_if(axes.begin(), axes.end(),
                                                              [](const auto& columns) { return !columns.empty(); })));
     }
     return std::min(most, 3);
@@ -294,9 +294,9 @@ bool names_angles(const std::vector<std::string_view>& fields) { return count_an
 
 bool names_another_order(const std::vector<std::string_view>& fields) {
     return std::any_of(families().begin(), families().end(), [&](const Family& family) {
-        const auto found = columns_of(family, fields);
-        const bool complete = !found[0].empty() && !found[1].empty() && !found[2].empty();
-        return complete && !(found[0][0] < found[1][0] && found[1][0] < found[2][0]);
+        const auto columns = columns_of(family, fields);
+        const bool complete = !columns[0].empty() && !columns[1].empty() && !columns[2].empty();
+        return complete && !(columns[0][0] < columns[1][0] && columns[1][0] < columns[2][0]);
     });
 }
 
@@ -304,11 +304,11 @@ ColumnChoice columns_by_name(const std::string& name, const Header& header) {
     std::set<std::array<std::size_t, 3>> choices;
     bool repeated = false, some = false;
     for (const Family& family : families()) {
-        const auto found = columns_of(family, header.fields);
-        some = some || !found[0].empty() || !found[1].empty() || !found[2].empty();
-        if (found[0].empty() || found[1].empty() || found[2].empty()) continue;
-        repeated = repeated || found[0].size() > 1 || found[1].size() > 1 || found[2].size() > 1;
-        choices.insert({found[0][0], found[1][0], found[2][0]});
+        const auto columns = columns_of(family, header.fields);
+        some = some || !columns[0].empty() || !columns[1].empty() || !columns[2].empty();
+        if (columns[0].empty() || columns[1].empty() || columns[2].empty()) continue;
+        repeated = repeated || columns[0].size() > 1 || columns[1].size() > 1 || columns[2].size() > 1;
+        choices.insert({columns[0][0], columns[1][0], columns[2][0]});
     }
     if (choices.empty() && count_angles(header.fields) > 0)
         refuse(name, header.line,

@@ -85,15 +85,15 @@ public:
     }
 
     const Tag* find(int code) const {
-        const Tag* const found = std::find_if(begin(), end(), [&](const Tag& tag) { return tag.code == code; });
-        return found == end() ? nullptr : found;
+        const Tag* const group = std::find_if(begin(), end(), [&](const Tag& tag) { return tag.code == code; });
+        return group == end() ? nullptr : group;
     }
     // Returns the only group with this code, or null. Refuses the entity if it has two.
     const Tag* only(int code) const {
-        const Tag* const found = find(code);
-        if (found && std::find_if(found + 1, end(), [&](const Tag& tag) { return tag.code == code; }) != end())
+        const Tag* const group = find(code);
+        if (group && std::find_if(group + 1, end(), [&](const Tag& tag) { return tag.code == code; }) != end())
             refuse(fmt::format("has two groups {}: save the file again", code));
-        return found;
+        return group;
     }
     std::string_view text(int code) const {
         const Tag* const tag = only(code);
@@ -269,15 +269,15 @@ private:
 
     // Removes the entities up to SEQEND and returns them.
     std::vector<const Entity*> followers(const Entity& entity) {
-        std::vector<const Entity*> found;
+        std::vector<const Entity*> following;
         for (; next_ < entities_.size(); ++next_) {
             const std::string_view type = entities_[next_].type();
             if (type == "SEQEND") {
                 ++next_;
-                return found;
+                return following;
             }
             if (type != "VERTEX" && type != "ATTRIB") break;
-            found.push_back(&entities_[next_]);
+            following.push_back(&entities_[next_]);
         }
         entity.refuse("does not end with SEQEND: the file is truncated or damaged, fetch or save it again");
     }
@@ -365,7 +365,7 @@ private:
     }
 
     void add_polyface(const std::vector<const Entity*>& vertices) {
-        const auto is_face = [](const Entity& one) { return (one.integer(70, 0) & (64 | 128)) == 128; };
+        const auto is_face = [](const Entity& entity) { return (entity.integer(70, 0) & (64 | 128)) == 128; };
         const std::size_t first = content_.points.size();
         for (const Entity* vertex : vertices)
             if (!is_face(*vertex)) add_point(*vertex, vertex->point(10));
@@ -578,15 +578,15 @@ private:
     }
 
     std::vector<Entity> entities(std::size_t begin, std::size_t end) const {
-        std::vector<Entity> found;
+        std::vector<Entity> list;
         while (begin < end && tags_[begin].code != 0) ++begin;
         while (begin < end) {
             std::size_t after = begin + 1;
             while (after < end && tags_[after].code != 0) ++after;
-            found.emplace_back(name_, tags_.data() + begin, tags_.data() + after);
+            list.emplace_back(name_, tags_.data() + begin, tags_.data() + after);
             begin = after;
         }
-        return found;
+        return list;
     }
 
     void read_header(std::size_t begin, std::size_t end) {
@@ -661,11 +661,11 @@ private:
     }
 
     Block& block_of(const Content::Copy& copy) {
-        const auto found = blocks_.find(copy.block);
+        const auto entry = blocks_.find(copy.block);
         const std::string called = shown(copy.block);
-        if (found == blocks_.end())
+        if (entry == blocks_.end())
             refuse(name_, copy.line, fmt::format("INSERT names the block '{}', which is not in the file", called));
-        Block& block = found->second;
+        Block& block = entry->second;
         if (block.twice) refuse(name_, block.line, fmt::format("a second block has the name '{}': rename one", called));
         if (block.external)
             refuse(name_, copy.line,

@@ -132,27 +132,27 @@ public:
         if (!list) return;
         for (const FbxNode& property : list->children) {
             if (property.name != "P") continue;
-            const auto [found, added] = all_.emplace(property.text(0), &property);
+            const auto [entry, added] = all_.emplace(property.text(0), &property);
             if (!added) twice_.insert(property.text(0));
         }
     }
 
     // Returns the property with this name, or null.
     const FbxNode* find(std::string_view name) const {
-        const auto found = all_.find(name);
-        if (found == all_.end()) return or_else_ ? or_else_->find(name) : nullptr;
+        const auto entry = all_.find(name);
+        if (entry == all_.end()) return or_else_ ? or_else_->find(name) : nullptr;
         if (twice_.contains(name))
-            tree_.refuse(*found->second, fmt::format("{} stands twice: remove one", shown(name)));
-        return found->second;
+            tree_.refuse(*entry->second, fmt::format("{} stands twice: remove one", shown(name)));
+        return entry->second;
     }
     double number(std::string_view name, double otherwise) const {
-        const FbxNode* const found = find(name);
-        return found ? finite(*found, 4) : otherwise;
+        const FbxNode* const property = find(name);
+        return property ? finite(*property, 4) : otherwise;
     }
     Vec3 vector(std::string_view name, double otherwise = 0) const {
-        const FbxNode* const found = find(name);
-        if (!found) return Vec3::Constant(otherwise);
-        return {finite(*found, 4), finite(*found, 5), finite(*found, 6)};
+        const FbxNode* const property = find(name);
+        if (!property) return Vec3::Constant(otherwise);
+        return {finite(*property, 4), finite(*property, 5), finite(*property, 6)};
     }
     bool flag(std::string_view name, bool otherwise = false) const { return number(name, otherwise ? 1 : 0) != 0; }
 
@@ -508,16 +508,16 @@ private:
                                            "program that wrote the file, and export the mesh alone",
                                            name_of(node), object.deformer));
         if (at.wrong_at) tree_.refuse(*at.wrong_at, at.wrong);
-        auto found = meshes_.find(id);
-        if (found == meshes_.end()) {
-            found = meshes_.emplace(id, FbxGeometry(tree_, node).read()).first;
+        auto entry = meshes_.find(id);
+        if (entry == meshes_.end()) {
+            entry = meshes_.emplace(id, FbxGeometry(tree_, node).read()).first;
             const FbxNode* const smoothness = tree_.child(node, "Smoothness");
             smoothed_ += smoothness && tree_.integer(*smoothness, 0) != 0 ? 1 : 0;
-            empty_ += found->second.faces.empty() ? 1 : 0;
-            unlisted_ += found->second.unlisted_sides ? 1 : 0;
+            empty_ += entry->second.faces.empty() ? 1 : 0;
+            unlisted_ += entry->second.unlisted_sides ? 1 : 0;
         }
         object.drawn = true;
-        const FbxMesh& mesh = found->second;
+        const FbxMesh& mesh = entry->second;
         spend(node, mesh.points.size() + mesh.faces.size() + mesh.corners);
         if (mesh.faces.empty()) return;
         ++soup_.objects;

@@ -301,20 +301,20 @@ void FbxTree::refuse(const FbxNode& node, const std::string& why) const {
 }
 
 const FbxNode* FbxTree::child(const FbxNode& node, std::string_view name) const {
-    const FbxNode* found = nullptr;
-    for (const FbxNode& one : node.children) {
-        if (one.name != name) continue;
-        if (found) refuse(one, fmt::format("{} stands twice in {}: save the file again", name, shown(node.name)));
-        found = &one;
+    const FbxNode* match = nullptr;
+    for (const FbxNode& candidate : node.children) {
+        if (candidate.name != name) continue;
+        if (match) refuse(candidate, fmt::format("{} stands twice in {}: save the file again", name, shown(node.name)));
+        match = &candidate;
     }
-    return found;
+    return match;
 }
 
 double FbxTree::real(const FbxNode& node, std::size_t i) const {
     if (i < node.values.size()) {
         const FbxValue& value = node.values[i];
         if (value.type == 'N')
-            if (const auto found = decimal(value.bytes)) return *found;
+            if (const auto parsed = decimal(value.bytes)) return *parsed;
         if (binary_ && !value.is_array() && size_of(value.type) > 0)
             return stored(value.type).value(value.bytes.data());
     }
@@ -325,7 +325,7 @@ std::int64_t FbxTree::integer(const FbxNode& node, std::size_t i) const {
     if (i < node.values.size()) {
         const FbxValue& value = node.values[i];
         if (value.type == 'N')
-            if (const auto found = whole<std::int64_t>(value.bytes)) return *found;
+            if (const auto parsed = whole<std::int64_t>(value.bytes)) return *parsed;
         if (value.type == 'L') {
             std::int64_t wide = 0;
             std::memcpy(&wide, value.bytes.data(), sizeof wide);
@@ -392,9 +392,10 @@ std::vector<Number> FbxTree::elements(const FbxNode& node, std::string_view type
         const std::string_view piece = rest.substr(0, end);
         const std::string_view word =
             piece.substr(std::min(first, end), piece.find_last_not_of(" \t\r\n") + 1 - std::min(first, end));
-        const auto found = number<Number>(word);
-        if (!found) refuse(node, fmt::format("'{}' in {} is not a number: {}", shown(word), shown(node.name), damaged));
-        all.push_back(*found);
+        const auto parsed = number<Number>(word);
+        if (!parsed)
+            refuse(node, fmt::format("'{}' in {} is not a number: {}", shown(word), shown(node.name), damaged));
+        all.push_back(*parsed);
         check_count(all.size() <= value.count);
         if (end == rest.size()) break;
         rest.remove_prefix(end + 1);

@@ -287,15 +287,15 @@ const std::vector<Format>& formats() { return table; }
 const std::vector<Unread>& unread_formats() { return unread; }
 
 const Format* find_format(std::string_view ending) {
-    for (const Format& one : formats())
-        if (std::find(one.endings.begin(), one.endings.end(), ending) != one.endings.end()) return &one;
+    for (const Format& format : formats())
+        if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end()) return &format;
     return nullptr;
 }
 
 std::string known_endings() {
     std::string text;
-    for (const Format& one : formats()) {
-        for (const std::string_view ending : one.endings) text += (text.empty() ? "." : ", .") + std::string(ending);
+    for (const Format& format : formats()) {
+        for (const std::string_view ending : format.endings) text += (text.empty() ? "." : ", .") + std::string(ending);
     }
     return text;
 }

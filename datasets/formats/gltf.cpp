@@ -262,8 +262,8 @@ Container opened(const std::string& name, std::string_view bytes) {
         no(name,
            fmt::format("has {} of the {} bytes that its header announces: it is truncated, fetch or save it again",
                        bytes.size(), length));
-    Container found;
-    found.after = bytes.size() - length;
+    Container container;
+    container.after = bytes.size() - length;
     bytes = bytes.substr(0, length);
     std::size_t chunks = 0;
     for (std::size_t at = 12; at < bytes.size(); ++chunks) {
@@ -271,12 +271,12 @@ Container opened(const std::string& name, std::string_view bytes) {
             no(name, fmt::format("chunk {} (from 0) ends after the end of the file: fetch or save it again", chunks));
         const std::string_view kind = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, little_endian(bytes, at));
         if (chunks == 0 && kind != "JSON") break;
-        if (chunks == 0) found.json = data;
-        if (chunks == 1 && kind == std::string_view("BIN\0", 4)) found.binary = data;
+        if (chunks == 0) container.json = data;
+        if (chunks == 1 && kind == std::string_view("BIN\0", 4)) container.binary = data;
         at += 8 + data.size();
     }
     if (chunks == 0) no(name, "does not begin with a JSON chunk: fetch or save it again");
-    return found;
+    return container;
 }
 
 // Returns the bytes that base64 text stands for, or nothing if it is not such text.
@@ -293,15 +293,15 @@ std::optional<std::string> from_base64(std::string_view text) {
     if (text.size() % 4 == 1) return std::nullopt;
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 2);
-    unsigned bits = 0, known = 0;
+    unsigned bits = 0, pending = 0;
     for (const char c : text) {
         const int value = values[static_cast<unsigned char>(c)];
         if (value < 0) return std::nullopt;
         bits = (bits << 6 | static_cast<unsigned>(value)) & 0xffff;
-        known += 6;
-        if (known < 8) continue;
-        known -= 8;
-        bytes.push_back(static_cast<char>(bits >> known & 0xff));
+        pending += 6;
+        if (pending < 8) continue;
+        pending -= 8;
+        bytes.push_back(static_cast<char>(bits >> pending & 0xff));
     }
     return bytes;
 }
@@ -436,8 +436,8 @@ public:
     }
 
     const Accessor& accessor(std::size_t index) {
-        const auto known = accessors_.find(index);
-        return known != accessors_.end() ? known->second : accessors_[index] = read_accessor(index);
+        const auto cached = accessors_.find(index);
+        return cached != accessors_.end() ? cached->second : accessors_[index] = read_accessor(index);
     }
 
     // Returns the bytes of a bufferView.
@@ -455,8 +455,8 @@ public:
 
     const DracoMesh& draco(std::size_t index, DracoStream stream) {
         const auto key = std::pair(index, stream.attribute);
-        const auto known = meshes_.find(key);
-        if (known != meshes_.end()) return known->second;
+        const auto cached = meshes_.find(key);
+        if (cached != meshes_.end()) return cached->second;
         stream.bytes = view(index);
         const std::string place = fmt::format("{}: bufferView {} (from 0)", input_.name, index);
         return meshes_[key] = decode_draco(place, stream);
@@ -504,8 +504,8 @@ private:
         const std::string& uri =
             part.find("uri")->is_string() ? part.find("uri")->get_ref<const std::string&>() : empty_;
         if (uri.starts_with("data:")) {
-            const auto known = inside_.find(index);
-            if (known != inside_.end()) return known->second;
+            const auto cached = inside_.find(index);
+            if (cached != inside_.end()) return cached->second;
             const std::size_t comma = uri.find(',');
             const bool base64 =
                 comma != std::string::npos && std::string_view(uri).substr(0, comma).ends_with(";base64");
@@ -522,16 +522,16 @@ private:
             no(part.place,
                fmt::format("refers to '{}', which has a '%' without two digits: write it as %25", shown(uri)));
         const std::string key = std::filesystem::path(*path).lexically_normal().string();
-        const auto known = beside_.find(key);
-        if (known != beside_.end()) return known->second;
+        const auto cached = beside_.find(key);
+        if (cached != beside_.end()) return cached->second;
         std::string contents = input_.beside(*path);
         size_ += contents.size();
         return beside_[key] = std::move(contents);
     }
 
     std::string_view decompressed(std::size_t index, const Part& view, const Part& meshopt, const char* extension) {
-        const auto known = decoded_.find(index);
-        if (known != decoded_.end()) return known->second;
+        const auto cached = decoded_.find(index);
+        if (cached != decoded_.end()) return cached->second;
         MeshoptStream stream;
         stream.extension = extension;
         stream.bytes = range(meshopt, meshopt.required("buffer"));
@@ -556,29 +556,30 @@ private:
 
     Accessor read_accessor(std::size_t index) {
         const Part part = element("accessors", "accessor", index);
-        Accessor one;
-        one.place = part.place;
-        one.count = part.required("count");
-        if (one.count == 0) no(part.place, "has no elements, which the format does not allow: save the file again");
-        one.component = component(part, part.required("componentType"));
-        one.normalized = part.yes("normalized");
+        Accessor accessor;
+        accessor.place = part.place;
+        accessor.count = part.required("count");
+        if (accessor.count == 0)
+            no(part.place, "has no elements, which the format does not allow: save the file again");
+        accessor.component = component(part, part.required("componentType"));
+        accessor.normalized = part.yes("normalized");
         static const std::map<std::string, std::size_t> types = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
         const auto type = types.find(part.text("type"));
         if (type == types.end())
             no(part.place, fmt::format("the type '{}' cannot be used here", shown(part.text("type"))));
-        one.components = type->second;
-        one.stride = one.element_size();
+        accessor.components = type->second;
+        accessor.stride = accessor.element_size();
         if (const auto index_of_view = part.integer("bufferView")) {
             const std::size_t stride =
-                element("bufferViews", "bufferView", *index_of_view).integer("byteStride").value_or(one.stride);
-            if (stride < one.stride && one.count > 1)
+                element("bufferViews", "bufferView", *index_of_view).integer("byteStride").value_or(accessor.stride);
+            if (stride < accessor.stride && accessor.count > 1)
                 no(part.place, fmt::format("its elements have {} bytes, but the byteStride is {}: save the file again",
-                                           one.stride, stride));
-            one.data = within(part, *index_of_view, one.count, stride, one.element_size());
-            one.stride = stride;
+                                           accessor.stride, stride));
+            accessor.data = within(part, *index_of_view, accessor.count, stride, accessor.element_size());
+            accessor.stride = stride;
         }
-        if (const auto sparse = part.object("sparse")) add_sparse(*sparse, one);
-        return one;
+        if (const auto sparse = part.object("sparse")) add_sparse(*sparse, accessor);
+        return accessor;
     }
 
     // Returns the bytes of a bufferView from the byteOffset of `part` on. Checks that `count` elements fit.
@@ -601,24 +602,25 @@ private:
         return static_cast<int>(type);
     }
 
-    void add_sparse(const Part& part, Accessor& one) {
-        one.replaced = part.required("count");
+    void add_sparse(const Part& part, Accessor& accessor) {
+        accessor.replaced = part.required("count");
         const auto indices = part.object("indices"), values = part.object("values");
-        if (one.replaced == 0 || one.replaced > one.count || !indices || !values)
+        if (accessor.replaced == 0 || accessor.replaced > accessor.count || !indices || !values)
             no(part.place, "its 'sparse' is not complete, or has more elements than the accessor: save the file again");
-        one.index_component = component(part, indices->required("componentType"));
-        const std::size_t size = size_of(one.index_component);
-        if (one.index_component != unsigned_byte && one.index_component != unsigned_short &&
-            one.index_component != unsigned_int)
+        accessor.index_component = component(part, indices->required("componentType"));
+        const std::size_t size = size_of(accessor.index_component);
+        if (accessor.index_component != unsigned_byte && accessor.index_component != unsigned_short &&
+            accessor.index_component != unsigned_int)
             no(part.place, "the indices of its 'sparse' are not unsigned integers: save the file again");
-        one.indices = within(*indices, indices->required("bufferView"), one.replaced, size, size);
-        one.values =
-            within(*values, values->required("bufferView"), one.replaced, one.element_size(), one.element_size());
-        replaced_ += one.replaced;
+        accessor.indices = within(*indices, indices->required("bufferView"), accessor.replaced, size, size);
+        accessor.values = within(*values, values->required("bufferView"), accessor.replaced, accessor.element_size(),
+                                 accessor.element_size());
+        replaced_ += accessor.replaced;
         if (replaced_ > parts_anyway + parts_a_byte * size_)
             no(part.place, "the file repeats its 'sparse' elements too often: write them once");
-        for (std::size_t i = 0; i < one.replaced; ++i)
-            if (one.replaced_index(i) >= one.count || (i > 0 && one.replaced_index(i) <= one.replaced_index(i - 1)))
+        for (std::size_t i = 0; i < accessor.replaced; ++i)
+            if (accessor.replaced_index(i) >= accessor.count ||
+                (i > 0 && accessor.replaced_index(i) <= accessor.replaced_index(i - 1)))
                 no(part.place,
                    fmt::format("index {} (from 0) of its 'sparse' is out of range or not above the one before "
                                "it: save the file again",
@@ -738,7 +740,7 @@ std::vector<std::vector<std::size_t>> faces_of(Mode mode, const std::vector<std:
     const std::size_t n = v.size();
     switch (mode) {
         case Mode::points:
-            for (const std::size_t one : v) faces.push_back({one});
+            for (const std::size_t corner : v) faces.push_back({corner});
             break;
         case Mode::lines:
             for (std::size_t i = 0; i + 1 < n; i += 2) faces.push_back({v[i], v[i + 1]});
@@ -807,7 +809,7 @@ private:
     Targets targets(const Part& primitive, const std::vector<double>& weights, std::size_t points);
     const Accessor& positions(const Part& part, std::size_t index);
     void add_points(const Accessor& at, const Targets& targets, std::vector<std::size_t>& corners, MeshShape& shape);
-    void note(std::size_t count, const char* one, const char* many, const std::string& rest);
+    void note(std::size_t count, const char* singular, const char* plural, const std::string& rest);
     void add_notes();
 
     // Counts parts, and refuses the file if they exceed the limit for the whole scene.
@@ -1148,8 +1150,8 @@ void Scene::add_primitive(const Part& primitive, const std::vector<double>& weig
     }
 }
 
-void Scene::note(std::size_t count, const char* one, const char* many, const std::string& rest) {
-    if (count > 0) soup_.notes.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, rest));
+void Scene::note(std::size_t count, const char* singular, const char* plural, const std::string& rest) {
+    if (count > 0) soup_.notes.push_back(fmt::format("{} {} {}", count, count == 1 ? singular : plural, rest));
 }
 
 void Scene::add_notes() {
@@ -1176,19 +1178,19 @@ void Scene::add_notes() {
 Extensions extensions_of(const std::string& name, const Part& root) {
     const auto names = [&](const char* key) {
         std::set<std::string> all;
-        for (const Json& one : root.array(key)) {
-            if (!one.is_string()) no(name, fmt::format("'{}' has a value that is not a string", key));
-            all.insert(one.get<std::string>());
+        for (const Json& value : root.array(key)) {
+            if (!value.is_string()) no(name, fmt::format("'{}' has a value that is not a string", key));
+            all.insert(value.get<std::string>());
         }
         return all;
     };
     Extensions all{names("extensionsUsed"), names("extensionsRequired")};
-    for (const std::string& one : all.required)
-        if (!applied.contains(one) && !harmless.contains(one))
+    for (const std::string& extension : all.required)
+        if (!applied.contains(extension) && !harmless.contains(extension))
             no(name,
                fmt::format(
                    "requires the extension {}, which is not supported: save the file without it, or as PLY or OBJ",
-                   shown(one)));
+                   shown(extension)));
     return all;
 }
 

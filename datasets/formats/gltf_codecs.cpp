@@ -69,9 +69,9 @@ template <class Integer> std::array<Integer, 4> four(const char* at) {
 template <class Integer> void octahedral(const std::string& place, char* at) {
     constexpr double most = sizeof(Integer) == 1 ? 127 : 32767;
     std::array<Integer, 4> values = four<Integer>(at);
-    const double one = values[2];
-    if (one <= 0) no(place, "a vector of the OCTAHEDRAL filter has no scale: " + std::string(damaged));
-    double x = values[0] / one, y = values[1] / one;
+    const double scale = values[2];
+    if (scale <= 0) no(place, "a vector of the OCTAHEDRAL filter has no scale: " + std::string(damaged));
+    double x = values[0] / scale, y = values[1] / scale;
     const double z = 1 - std::abs(x) - std::abs(y), fold = std::min(z, 0.0);
     x -= std::copysign(fold, x);
     y -= std::copysign(fold, y);
@@ -86,13 +86,13 @@ template <class Integer> void octahedral(const std::string& place, char* at) {
 // A quaternion whose largest component was left out gets it back.
 void quaternion(const std::string& place, char* at) {
     const auto values = four<std::int16_t>(at);
-    const double one = values[3] | 3;
-    if (one <= 0) no(place, "a rotation of the QUATERNION filter has no scale: " + std::string(damaged));
+    const double scale = values[3] | 3;
+    if (scale <= 0) no(place, "a rotation of the QUATERNION filter has no scale: " + std::string(damaged));
     std::array<std::int16_t, 4> rotation{};
     double rest = 1;
     const auto largest = static_cast<std::size_t>(values[3] & 3);
     for (std::size_t k = 0; k < 3; ++k) {
-        const double component = values[k] / one * std::sqrt(0.5);
+        const double component = values[k] / scale * std::sqrt(0.5);
         if (std::abs(component) > 1)
             no(place, "a rotation of the QUATERNION filter is out of range: " + std::string(damaged));
         rest -= component * component;

@@ -148,13 +148,13 @@ private:
         const std::string_view version = scan_.word();
         static const std::map<double, int> versions = {{2.0, 20}, {2.1, 21}, {2.2, 22}, {4.0, 40}, {4.1, 41}};
         const auto number = decimal(version);  // a number, which netgen writes as 2.000000
-        const auto known = number && std::isfinite(*number) ? versions.find(*number) : versions.end();
-        if (known == versions.end())
+        const auto entry = number && std::isfinite(*number) ? versions.find(*number) : versions.end();
+        if (entry == versions.end())
             scan_.refuse(
                 fmt::format("version {} of the format is not supported: convert the file to version 4.1 with "
                             "`gmsh FILE.msh -0 -format msh41 -o NEW.msh`",
                             shown(version)));
-        version_ = known->second;
+        version_ = entry->second;
         const std::int64_t kind = scan_.integer(4, "0 (text) or 1 (binary)");
         const std::int64_t size = scan_.integer(4, "the size of a number");
         if (kind != 0 && kind != 1) scan_.refuse(fmt::format("file type {} is neither 0 (text) nor 1 (binary)", kind));
@@ -167,10 +167,10 @@ private:
             scan_.rest_of_line();
             binary_ = true;
             scan_.set_binary(false);
-            const std::int64_t one = scan_.integer(4, "the number 1, which tells the byte order");
-            if (one != 1 && one != 0x1000000)
-                scan_.refuse(fmt::format("expected the number 1, which tells the byte order, found {}", one));
-            scan_.set_binary(one != 1);
+            const std::int64_t byte_order = scan_.integer(4, "the number 1, which tells the byte order");
+            if (byte_order != 1 && byte_order != 0x1000000)
+                scan_.refuse(fmt::format("expected the number 1, which tells the byte order, found {}", byte_order));
+            scan_.set_binary(byte_order != 1);
         }
         end_section("$EndMeshFormat");
     }
@@ -383,14 +383,14 @@ private:
         // Most files number their nodes from 1.
         if (tag > 0 && static_cast<std::size_t>(tag) <= nodes_.size())
             if (const auto& node = nodes_[static_cast<std::size_t>(tag) - 1]; node.first == tag) return node.second;
-        const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), std::pair(tag, std::size_t{0}));
-        if (found == nodes_.end() || found->first != tag)
+        const auto position = std::lower_bound(nodes_.begin(), nodes_.end(), std::pair(tag, std::size_t{0}));
+        if (position == nodes_.end() || position->first != tag)
             throw InputError(fmt::format(
                 "{}: {}{} names node {}, which $Nodes does not have: the file is damaged or a part of a mesh", name_,
                 face < soup_.face_lines.size() ? fmt::format("line {}: ", soup_.face_lines[face]) : "",
                 face < element_tags_.size() ? fmt::format("element {}", element_tags_[face]) : "a volume element",
                 tag));
-        return found->second;
+        return position->second;
     }
 
     const std::string& name_;

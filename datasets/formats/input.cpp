@@ -23,13 +23,13 @@ std::string Input::beside(const std::string& path, std::uint64_t most) const {
         no("which is not below its own folder: move both into one folder, and name the file without a path");
     std::error_code error;
     const fs::path folder = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
-    const fs::path found = error ? fs::path() : fs::canonical(folder / relative, error);
+    const fs::path target = error ? fs::path() : fs::canonical(folder / relative, error);
     if (error) no("which is not there: put it beside this one");
-    const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), found.begin(), found.end());
+    const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
     if (end != folder.end()) no("which is a link out of its folder: copy the file instead");
-    if (!fs::is_regular_file(found, error)) no("which is not a regular file: put the file itself there");
-    if (fs::file_size(found, error) > most || error) no(fmt::format("which is larger than {} bytes", most));
-    std::ifstream in(found, std::ios::binary);
+    if (!fs::is_regular_file(target, error)) no("which is not a regular file: put the file itself there");
+    if (fs::file_size(target, error) > most || error) no(fmt::format("which is larger than {} bytes", most));
+    std::ifstream in(target, std::ios::binary);
     if (!in) no("which cannot be read: check its permissions");
     return {std::istreambuf_iterator<char>(in), {}};
 }

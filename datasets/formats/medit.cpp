@@ -108,24 +108,24 @@ constexpr std::array<std::string_view, 9> ignored_ends = {"Ordering",         "G
                                                           "CoarseHexahedra"};
 
 const Keyword* with_code(int code) {
-    const auto* const found =
-        std::find_if(keywords.begin(), keywords.end(), [&](auto& one) { return one.code == code; });
-    return found == keywords.end() || code == 0 ? nullptr : found;
+    const auto* const match =
+        std::find_if(keywords.begin(), keywords.end(), [&](auto& keyword) { return keyword.code == code; });
+    return match == keywords.end() || code == 0 ? nullptr : match;
 }
 
 const Keyword* with_name(std::string_view name) {
-    const auto* const found =
-        std::find_if(keywords.begin(), keywords.end(), [&](auto& one) { return one.name == name; });
-    return found == keywords.end() ? nullptr : found;
+    const auto* const match =
+        std::find_if(keywords.begin(), keywords.end(), [&](auto& keyword) { return keyword.name == name; });
+    return match == keywords.end() ? nullptr : match;
 }
 
 bool is_ignored(std::string_view name) {
     // VerticesOnGeometricEdges, VertexOnGeometryFace, ...
     return name.find("OnGeometr") != std::string_view::npos ||
            std::any_of(ignored_beginnings.begin(), ignored_beginnings.end(),
-                       [&](std::string_view one) { return name.starts_with(one); }) ||
+                       [&](std::string_view beginning) { return name.starts_with(beginning); }) ||
            std::any_of(ignored_ends.begin(), ignored_ends.end(),
-                       [&](std::string_view one) { return name.ends_with(one); });
+                       [&](std::string_view ending) { return name.ends_with(ending); });
 }
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
@@ -193,16 +193,16 @@ private:
         }
         set_version();
         for (std::string_view word = scan_.word(); !word.empty(); word = scan_.word()) {
-            const Keyword* const known = with_name(word);
-            if (known && known->holds == Holds::end) {
+            const Keyword* const keyword = with_name(word);
+            if (keyword && keyword->holds == Holds::end) {
                 ended_ = true;
                 if (!scan_.word().empty()) scan_.refuse("the file goes on after the keyword End: remove the rest");
                 return;
             }
-            if (known && known->holds == Holds::lines) {
+            if (keyword && keyword->holds == Holds::lines) {
                 skip_lines(word);
-            } else if (known) {
-                read_section(*known);
+            } else if (keyword) {
+                read_section(*keyword);
             } else {
                 if (!is_keyword(word)) refuse_number(word);
                 if (!is_ignored(word)) refuse_unknown(word);
@@ -227,18 +227,18 @@ private:
                                 "damaged",
                                 link, bytes.size()));
             next = static_cast<std::size_t>(link);
-            const Keyword* const known = with_code(code);
-            if (!known && (code < 1 || code > last_code)) refuse_unknown(fmt::format("of code {}", code));
-            if (known && known->holds == Holds::end) {
+            const Keyword* const keyword = with_code(code);
+            if (!keyword && (code < 1 || code > last_code)) refuse_unknown(fmt::format("of code {}", code));
+            if (keyword && keyword->holds == Holds::end) {
                 ended_ = true;
                 return;
             }
-            if (!known || known->holds == Holds::lines) continue;
-            read_section(*known);
+            if (!keyword || keyword->holds == Holds::lines) continue;
+            read_section(*keyword);
             const std::size_t end = next == 0 ? bytes.size() : next;
-            if (scan_.at() != end && known->holds != Holds::curved && known->holds != Holds::polygons)
+            if (scan_.at() != end && keyword->holds != Holds::curved && keyword->holds != Holds::polygons)
                 scan_.refuse(fmt::format("{} ends at byte {}, but the next keyword is at {}: the file is damaged",
-                                         known->name, scan_.at(), end));
+                                         keyword->name, scan_.at(), end));
         }
     }
 
@@ -334,7 +334,7 @@ private:
         const std::uint64_t cells = count(keyword, keyword.corners + 1, 0);
         for (std::uint64_t i = 0; i < cells; ++i) {
             std::vector<std::size_t> face(keyword.corners);
-            for (std::size_t& one : face) one = corner();
+            for (std::size_t& vertex : face) vertex = corner();
             soup_.faces.push_back(std::move(face));
             if (!scan_.binary()) soup_.face_lines.push_back(scan_.line());
             reference();
@@ -363,10 +363,10 @@ private:
     }
 
     void check_cell(const std::vector<std::size_t>& corners, const std::string& place) const {
-        for (const std::size_t one : corners)
-            if (one >= soup_.points.size())
+        for (const std::size_t vertex : corners)
+            if (vertex >= soup_.points.size())
                 throw InputError(fmt::format("{}: {}a cell names vertex {}, but the vertices are numbered 1 to {}",
-                                             name_, place, static_cast<std::int64_t>(one + 1), soup_.points.size()));
+                                             name_, place, static_cast<std::int64_t>(vertex + 1), soup_.points.size()));
     }
 
     // Skips the numbers and quoted texts of a keyword that is ignored.
@@ -393,10 +393,10 @@ private:
     }
 
     [[noreturn]] void refuse_unknown(std::string_view word) {
-        for (const Keyword& one : keywords)
-            if (lower_case(one.name) == lower_case(word))
+        for (const Keyword& keyword : keywords)
+            if (lower_case(keyword.name) == lower_case(word))
                 scan_.refuse(fmt::format("unknown keyword '{}': keywords are case sensitive, write '{}'", shown(word),
-                                         one.name));
+                                         keyword.name));
         scan_.refuse(fmt::format("unknown keyword {}: it may define a part of the surface. Remove it if it does not",
                                  scan_.binary() ? std::string(word) : fmt::format("'{}'", shown(word))));
     }

@@ -72,7 +72,7 @@ template <class T> double value_at(const char* at) {
 
 }  // namespace
 
-bool Stored::known() const {
+bool Stored::readable() const {
     const bool whole = kind == 'I' || kind == 'U';
     return (whole && (size == 1 || size == 2)) || ((whole || kind == 'F') && (size == 4 || size == 8));
 }

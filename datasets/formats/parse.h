@@ -42,7 +42,7 @@ struct Stored {
     char kind = 'F';
     std::uint64_t size = 4;
 
-    bool known() const;  // whether value() can read it
+    bool readable() const;  // whether value() can read it
     bool is_float32() const { return kind == 'F' && size == 4; }
     bool holds(double value) const;      // whether an integer type has this value; true for 'F'
     double value(const char* at) const;  // of the bytes at this address, in this machine's byte order

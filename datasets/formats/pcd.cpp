@@ -67,8 +67,8 @@ private:
         for (auto word = next_word(line); !word.empty(); word = next_word(line)) values.push_back(word);
         if (key == "VERSION") return;
         if (key == "VIEWPOINT") return note_pose(values);
-        const bool one = key == "WIDTH" || key == "HEIGHT" || key == "POINTS" || key == "DATA";
-        if (one && values.size() != 1) refuse_line(fmt::format("{} needs one value", key));
+        const bool single = key == "WIDTH" || key == "HEIGHT" || key == "POINTS" || key == "DATA";
+        if (single && values.size() != 1) refuse_line(fmt::format("{} needs one value", key));
         if (key == "FIELDS" || key == "COLUMNS") {
             for (const std::string_view value : values) header_.fields.push_back({value, {}});
         } else if (key == "SIZE" || key == "TYPE" || key == "COUNT") {
@@ -83,7 +83,7 @@ private:
             }
         } else if (key == "DATA") {
             header_.data = values.front();
-        } else if (one) {
+        } else if (single) {
             counts_[key] = number(values.front());
         } else {
             refuse_line(fmt::format("'{}' is not a word of a PCD header: is it a PCD file?", shown(key)));
@@ -136,7 +136,7 @@ private:
             if (std::count_if(header_.fields.begin(), header_.fields.end(),
                               [&](const Field& f) { return f.name == name; }) > 1)
                 refuse_line(fmt::format("FIELDS has '{}' twice: give the other field another name", name));
-            if (field->count != 1 || !field->type.known())
+            if (field->count != 1 || !field->type.readable())
                 refuse_line(fmt::format("'{}' is of type {}{} and count {}: write it as one F of 4 or 8 bytes", name,
                                         field->type.kind, field->type.size, field->count));
             header_.axes[k] = *field;

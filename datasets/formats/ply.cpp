@@ -57,15 +57,15 @@ struct Element {
     bool is_edges() const { return name == "edge" || name == "edges"; }
     // Whether a property may be the number of a vertex, by its name.
     bool may_index() const {
-        return std::any_of(properties.begin(), properties.end(), [](const Property& one) {
-            const bool numbered = one.name.size() == 2 && (one.name[0] == 'v' || one.name[0] == 'p') &&
-                                  one.name[1] >= '0' && one.name[1] <= '9';
-            return numbered || one.name.find("vertex") != std::string_view::npos;
+        return std::any_of(properties.begin(), properties.end(), [](const Property& property) {
+            const bool numbered = property.name.size() == 2 && (property.name[0] == 'v' || property.name[0] == 'p') &&
+                                  property.name[1] >= '0' && property.name[1] <= '9';
+            return numbered || property.name.find("vertex") != std::string_view::npos;
         });
     }
     bool has(std::string_view property) const {
         return std::any_of(properties.begin(), properties.end(),
-                           [&](const Property& one) { return one.name == property && !one.count; });
+                           [&](const Property& candidate) { return candidate.name == property && !candidate.count; });
     }
 };
 
@@ -149,7 +149,7 @@ private:
             if (seen_) refuse_file("has two elements of vertices: write all vertices as one element");
             seen_ = true;
             const bool small = std::any_of(element.properties.begin(), element.properties.end(),
-                                           [](const Property& one) { return one.axis('x') >= 0; });
+                                           [](const Property& property) { return property.axis('x') >= 0; });
             first_axis_ = small ? 'x' : 'X';
         }
         int axes = 0, named = 0, lists = 0;

@@ -68,10 +68,11 @@ std::string_view recognised(std::string_view bytes) {
     std::string_view text = bytes.substr(0, 4096);
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
     const std::string lower = readers::lower_case(after_prolog(text));
-    for (const Start& one : starts) {
-        const char next = lower.size() > one.begins.size() ? lower[one.begins.size()] : '\n';
-        const bool word_ends = one.begins.ends_with(' ') || next < 'a' || next > 'z';
-        if (lower.starts_with(one.begins) && word_ends && lower.find(one.has) != std::string::npos) return one.ending;
+    for (const Start& start : starts) {
+        const char next = lower.size() > start.begins.size() ? lower[start.begins.size()] : '\n';
+        const bool word_ends = start.begins.ends_with(' ') || next < 'a' || next > 'z';
+        if (lower.starts_with(start.begins) && word_ends && lower.find(start.has) != std::string::npos)
+            return start.ending;
     }
     if (lower.starts_with('{') && lower.find("\"asset\"") != std::string::npos) return "gltf";
     const std::size_t section = lower.find("section");

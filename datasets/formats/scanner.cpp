@@ -12,7 +12,7 @@ namespace {
 
 bool is_blank(char c) { return c == '\n' || blanks.find(c) != std::string_view::npos; }
 
-std::string found(std::string_view word) {
+std::string shown_or_end(std::string_view word) {
     return word.empty() ? "the end of the file" : fmt::format("'{}'", shown(word));
 }
 
@@ -91,7 +91,7 @@ std::int64_t Scanner::integer(std::size_t size, std::string_view what) {
     }
     last_ = word();
     const auto value = whole<std::int64_t>(last_);
-    if (!value) refuse(fmt::format("expected {}, found {}", what, found(last_)));
+    if (!value) refuse(fmt::format("expected {}, found {}", what, shown_or_end(last_)));
     return *value;
 }
 
@@ -99,7 +99,7 @@ double Scanner::real(std::size_t size, std::string_view what) {
     if (binary_) return Stored{'F', size}.value(take(size, what));
     last_ = word();
     const auto value = size == 4 ? std::optional<double>(decimal<float>(last_)) : decimal(last_);
-    if (!value) refuse(fmt::format("expected {}, found {}", what, found(last_)));
+    if (!value) refuse(fmt::format("expected {}, found {}", what, shown_or_end(last_)));
     return *value;
 }
 

@@ -108,9 +108,9 @@ private:
     std::string_view text(std::string_view& in) const {
         const std::size_t size = in.find('\0');
         if (size == std::string_view::npos) refuse_at(place(in), "a name does not end: the file is damaged");
-        const std::string_view found = in.substr(0, size);
+        const std::string_view content = in.substr(0, size);
         in.remove_prefix(size + 1);
-        return found;
+        return content;
     }
 
     void read_editor(std::string_view in) {

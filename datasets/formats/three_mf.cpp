@@ -64,8 +64,8 @@ std::string_view prefix_of(const char* name) {
 }
 
 bool declares_namespaces(pugi::xml_node node) {
-    for (const pugi::xml_attribute one : node.attributes())
-        if (std::string_view(one.name()).starts_with("xmlns")) return true;
+    for (const pugi::xml_attribute attribute : node.attributes())
+        if (std::string_view(attribute.name()).starts_with("xmlns")) return true;
     return false;
 }
 
@@ -141,15 +141,16 @@ public:
         const std::string name = prefix.empty() ? "xmlns" : "xmlns:" + std::string(prefix);
         for (; node && node != xml.root(); node = node.parent()) {
             std::size_t count = 0;
-            for (const pugi::xml_attribute one : node.attributes()) {
-                if (one.name() == name) return one.value();
+            for (const pugi::xml_attribute attribute : node.attributes()) {
+                if (attribute.name() == name) return attribute.value();
                 if (++count > 100) xml.refuse(node, "has more than 100 attributes");
             }
         }
         if (namespaces_.empty())
-            for (const pugi::xml_attribute one : xml.root().attributes()) namespaces_.emplace(one.name(), one.value());
-        const auto found = namespaces_.find(name);
-        return found == namespaces_.end() ? std::string_view() : found->second;
+            for (const pugi::xml_attribute attribute : xml.root().attributes())
+                namespaces_.emplace(attribute.name(), attribute.value());
+        const auto entry = namespaces_.find(name);
+        return entry == namespaces_.end() ? std::string_view() : entry->second;
     }
 
     std::string_view namespace_of(pugi::xml_node node) const { return namespace_at(node, prefix_of(node.name())); }
@@ -166,25 +167,25 @@ public:
 
     // Returns the children with this name in the core's namespace.
     std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name) const {
-        std::vector<pugi::xml_node> found;
+        std::vector<pugi::xml_node> matches;
         for (const pugi::xml_node child : node.children())
-            if (is(child, name)) found.push_back(child);
-        return found;
+            if (is(child, name)) matches.push_back(child);
+        return matches;
     }
 
     // Returns the child with this name, or a null node. Throws InputError if there are two.
     pugi::xml_node only_child(pugi::xml_node node, std::string_view name) const {
-        const auto found = children(node, name);
-        if (found.size() > 1) xml.refuse(found[1], fmt::format("a second <{}>, where 3MF has one", name));
-        return found.empty() ? pugi::xml_node() : found[0];
+        const auto matches = children(node, name);
+        if (matches.size() > 1) xml.refuse(matches[1], fmt::format("a second <{}>, where 3MF has one", name));
+        return matches.empty() ? pugi::xml_node() : matches[0];
     }
 
     // Returns an attribute of an extension, or a null attribute.
     pugi::xml_attribute attribute(pugi::xml_node node, std::string_view uri, std::string_view name) const {
-        for (const pugi::xml_attribute one : node.attributes())
-            if (local_name(one.name()) == name && !prefix_of(one.name()).empty() &&
-                namespace_at(node, prefix_of(one.name())) == uri)
-                return one;
+        for (const pugi::xml_attribute candidate : node.attributes())
+            if (local_name(candidate.name()) == name && !prefix_of(candidate.name()).empty() &&
+                namespace_at(node, prefix_of(candidate.name())) == uri)
+                return candidate;
         return {};
     }
 
@@ -258,20 +259,20 @@ public:
 
 private:
     ModelPart& part(const std::string& path, bool is_root) {
-        auto& found = parts_[normal_part_name(path)];
-        if (!found) {
+        auto& model_part = parts_[normal_part_name(path)];
+        if (!model_part) {
             if (!zip_.has(path))
                 throw InputError(fmt::format("{}: refers to '{}', which is not in its archive: save or fetch it again",
                                              name_, shown(path)));
             const std::string text = zip_.read(path);
-            found = std::make_unique<ModelPart>(fmt::format("{}: {}", name_, one_line(path)), text, is_root);
+            model_part = std::make_unique<ModelPart>(fmt::format("{}: {}", name_, one_line(path)), text, is_root);
             parts_left_ += parts_a_byte * text.size();
-            if (!found->has_namespace())
+            if (!model_part->has_namespace())
                 note("its <model> names no XML namespace, as 3MF requires: it is read as the core of 3MF");
-            for (const std::string& what : found->not_read)
+            for (const std::string& what : model_part->not_read)
                 note(fmt::format("recommends an extension that is not supported and is left out, {}", what));
         }
-        return *found;
+        return *model_part;
     }
 
     void note(std::string text) {
@@ -322,18 +323,18 @@ private:
             note("an item of its build is marked as not printable, which 3MF does not define: it counts");
         ModelPart& to = part_of_reference(from, node);
         const std::size_t id = from.xml.index(node, "objectid");
-        const auto found = to.objects.find(id);
-        if (found == to.objects.end())
+        const auto entry = to.objects.find(id);
+        if (entry == to.objects.end())
             from.xml.refuse(node, fmt::format("objectid={} names no object of its model part", id));
-        if (!inside_.insert(&found->second).second) from.xml.refuse(node, fmt::format("object {} contains itself", id));
+        if (!inside_.insert(&entry->second).second) from.xml.refuse(node, fmt::format("object {} contains itself", id));
         if (inside_.size() > deepest)
             from.xml.refuse(node,
                             fmt::format("components are nested deeper than {}: take some of them apart", deepest));
         const ThreeMfTransform transform = transform_of(from, node);
         if (!transform.is_identity()) transforms_.push_back(transform);
-        place(to, found->second);
+        place(to, entry->second);
         if (!transform.is_identity()) transforms_.pop_back();
-        inside_.erase(&found->second);
+        inside_.erase(&entry->second);
     }
 
     void place(ModelPart& part, ThreeMfObject& object) {
@@ -381,11 +382,11 @@ private:
             check_foreign(part, child, {"mesh", "components", "metadatagroup"});
     }
 
-    // Refuses a child of an element of the core that is not one of `known` but may have a surface. Notes others.
-    void check_foreign(const ModelPart& part, pugi::xml_node node, std::initializer_list<std::string_view> known) {
+    // Refuses a child of an element of the core that is not one of `expected` but may have a surface. Notes others.
+    void check_foreign(const ModelPart& part, pugi::xml_node node, std::initializer_list<std::string_view> expected) {
         if (node.type() != pugi::node_element) return;
         if (part.in_core(node)) {
-            if (std::find(known.begin(), known.end(), local_name(node.name())) == known.end())
+            if (std::find(expected.begin(), expected.end(), local_name(node.name())) == expected.end())
                 part.xml.refuse(node, fmt::format("<{}> is not an element that 3MF has here: export the file again",
                                                   shown(node.name())));
             return;
@@ -437,9 +438,10 @@ private:
                                                             const std::array<const char*, 3>& names) {
         std::array<std::string_view, 3> values;
         for (std::size_t k = 0; k < 3; ++k) {
-            const pugi::xml_attribute found = node.attribute(names[k]);
-            if (!found) part.xml.refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), names[k]));
-            values[k] = found.value();
+            const pugi::xml_attribute attribute = node.attribute(names[k]);
+            if (!attribute)
+                part.xml.refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), names[k]));
+            values[k] = attribute.value();
         }
         return values;
     }
@@ -507,17 +509,17 @@ std::string start_of(const std::string& name, ZipFile& zip) {
                          ": is not a 3MF file: its archive has no _rels/.rels: unpack it, and name a file in it");
     const Xml relations(name + ": _rels/.rels", zip.read("_rels/.rels"), "Relationships", "3MF");
     std::string start;
-    for (const pugi::xml_node one : Xml::children(relations.root(), "Relationship")) {
-        const std::string_view type = one.attribute("Type").value();
+    for (const pugi::xml_node relation : Xml::children(relations.root(), "Relationship")) {
+        const std::string_view type = relation.attribute("Type").value();
         if (type.ends_with("/keystore"))
-            relations.refuse(one, "the file has encrypted parts, which are not supported: export it without them");
+            relations.refuse(relation, "the file has encrypted parts, which are not supported: export it without them");
         if (type != start_part) continue;
-        if (!start.empty()) relations.refuse(one, "a second root model part: export one of the models alone");
-        if (one.attribute("TargetMode").value() == std::string_view("External"))
-            relations.refuse(one, "the model lies outside of the archive, which 3MF does not allow");
-        start = relations.text(one, "Target");
+        if (!start.empty()) relations.refuse(relation, "a second root model part: export one of the models alone");
+        if (relation.attribute("TargetMode").value() == std::string_view("External"))
+            relations.refuse(relation, "the model lies outside of the archive, which 3MF does not allow");
+        start = relations.text(relation, "Target");
         if (normal_part_name(start).empty())
-            relations.refuse(one, fmt::format("'{}' is not a path in the archive", shown(start)));
+            relations.refuse(relation, fmt::format("'{}' is not a path in the archive", shown(start)));
     }
     if (start.empty())
         throw InputError(name + ": is not a 3MF file: _rels/.rels names no 3D model: export the file again");

@@ -317,7 +317,7 @@ private:
         if (node.is({"Billboard"})) ++billboards_;
         if (node.is({"LOD"})) draw_first_level(node, at, depth);
         if (node.is({"Switch"})) draw_choice(node, at, depth);
-        static const std::set<std::string_view> known = {
+        static const std::set<std::string_view> allowed = {
             "Shape", "Transform", "Group", "Anchor", "Billboard", "Collision", "LOD", "Switch",
             // nodes without a shape
             "Appearance", "AudioClip", "Background", "Color", "Coordinate", "DirectionalLight", "Fog", "FontStyle",
@@ -339,7 +339,7 @@ private:
                                                           "TouchSensor",
                                                           "VisibilitySensor"};
         if (node.is(moving)) moving_.insert(node.type.text);
-        if (!node.is(known) && !node.is(moving))
+        if (!node.is(allowed) && !node.is(moving))
             refuse_at(node.type,
                       fmt::format("{} is not a node of VRML97 that may stand here: remove it, or convert the "
                                   "file to OBJ or STL",

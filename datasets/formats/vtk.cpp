@@ -90,9 +90,9 @@ private:
 
     // Removes the rest of the line, up to \n: a binary array begins after it.
     std::string_view line() {
-        const std::string_view found = rest_.substr(0, rest_.find('\n'));
-        rest_.remove_prefix(std::min(found.size() + 1, rest_.size()));
-        return trimmed(found);
+        const std::string_view rest = rest_.substr(0, rest_.find('\n'));
+        rest_.remove_prefix(std::min(rest.size() + 1, rest_.size()));
+        return trimmed(rest);
     }
 
     // Goes to the first number of an array.
@@ -109,11 +109,11 @@ private:
 
     Stored type() {
         const std::string_view word = next();
-        const auto found = types.find(lower_case(word));
-        if (found == types.end())
+        const auto entry = types.find(lower_case(word));
+        if (entry == types.end())
             refuse_here(
                 fmt::format("'{}' is not a type of numbers that is supported: save the file with double", shown(word)));
-        return found->second;
+        return entry->second;
     }
 
     // Refuses an array that the rest of the file cannot hold. Call it before allocating.

@@ -166,8 +166,8 @@ void VtkCells::add_cell(const VtkPiece& piece, std::size_t cell, std::size_t beg
         return;
     }
     const std::int64_t number = piece.types[cell];
-    const auto type =
-        std::find_if(cell_types.begin(), cell_types.end(), [&](const CellType& one) { return one.number == number; });
+    const auto type = std::find_if(cell_types.begin(), cell_types.end(),
+                                   [&](const CellType& entry) { return entry.number == number; });
     if (type == cell_types.end())
         refuse_cell(
             piece, cell,

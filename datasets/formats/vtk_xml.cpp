@@ -196,14 +196,15 @@ private:
 
     // Returns the array with this name in an element, or a null node. Every array has a name, except the points.
     xml_node array(xml_node parent, std::string_view name) const {
-        xml_node found;
-        for (const xml_node one : Xml::children(parent, "DataArray")) {
-            if (!name.empty() && one.attribute("Name").value() != name) continue;
-            if (found && found.attribute("TimeStep")) refuse_time(one);
-            if (found) xml_.refuse(one, fmt::format("<{}> has a second array '{}'", shown(parent.name()), shown(name)));
-            found = one;
+        xml_node match;
+        for (const xml_node candidate : Xml::children(parent, "DataArray")) {
+            if (!name.empty() && candidate.attribute("Name").value() != name) continue;
+            if (match && match.attribute("TimeStep")) refuse_time(candidate);
+            if (match)
+                xml_.refuse(candidate, fmt::format("<{}> has a second array '{}'", shown(parent.name()), shown(name)));
+            match = candidate;
         }
-        return found;
+        return match;
     }
 
     // Returns the number of cells in an element <Verts>, <Lines>, <Polys> or <Strips> of PolyData.
@@ -256,9 +257,10 @@ private:
     }
 
     xml_node needed(xml_node parent, std::string_view name) const {
-        const xml_node found = array(parent, name);
-        if (!found) xml_.refuse(parent, fmt::format("<{}> has no <DataArray Name=\"{}\">", shown(parent.name()), name));
-        return found;
+        const xml_node data_array = array(parent, name);
+        if (!data_array)
+            xml_.refuse(parent, fmt::format("<{}> has no <DataArray Name=\"{}\">", shown(parent.name()), name));
+        return data_array;
     }
 
     // Adds the cells of an element <Verts>, ..., and returns it.
@@ -320,19 +322,19 @@ private:
     template <class Add>
     void each_word(xml_node node, std::string_view text, Stored type, std::uint64_t count, const Add& add) const {
         constexpr std::string_view spaces = " \t\r\n\v\f";
-        std::uint64_t found = 0;
-        for (std::size_t at = text.find_first_not_of(spaces); at != std::string_view::npos; ++found) {
+        std::uint64_t words = 0;
+        for (std::size_t at = text.find_first_not_of(spaces); at != std::string_view::npos; ++words) {
             const std::size_t end = std::min(text.find_first_of(spaces, at), text.size());
             const auto value = vtk_number(text.substr(at, end - at), type);
             if (!value)
                 xml_.refuse(node, fmt::format("'{}' is not a number of the type {}", shown(text.substr(at, end - at)),
                                               text_or(node, "type", "")));
-            if (found < count) add(*value);
+            if (words < count) add(*value);
             at = text.find_first_not_of(spaces, end);
         }
-        if (found != count)
+        if (words != count)
             xml_.refuse(node, fmt::format("the array '{}' has {} numbers instead of {}",
-                                          shown(text_or(node, "Name", "")), found, count));
+                                          shown(text_or(node, "Name", "")), words, count));
     }
 
     Bytes appended(xml_node node) const {
@@ -372,10 +374,10 @@ private:
 
     // Returns the bytes of an array, which has `count` numbers of `size` bytes.
     std::string unpacked(xml_node node, Bytes bytes, std::uint64_t count, std::uint64_t size) {
-        const auto check = [&](std::uint64_t found) {
-            if (found % size != 0 || found / size != count)
+        const auto check = [&](std::uint64_t length) {
+            if (length % size != 0 || length / size != count)
                 xml_.refuse(node, fmt::format("the array '{}' has {} bytes instead of {} x {}",
-                                              shown(text_or(node, "Name", "")), found, count, size));
+                                              shown(text_or(node, "Name", "")), length, count, size));
         };
         if (!compressed_) {
             const std::uint64_t total = header_value(node, bytes);

@@ -36,7 +36,7 @@ void Xml::check_attributes() {
         explicit Walker(const Xml& xml) : xml_(xml) {}
         bool for_each(pugi::xml_node& node) override {
             names_.clear();
-            for (const pugi::xml_attribute one : node.attributes()) names_.emplace_back(one.name());
+            for (const pugi::xml_attribute attribute : node.attributes()) names_.emplace_back(attribute.name());
             std::sort(names_.begin(), names_.end());
             const auto twice = std::adjacent_find(names_.begin(), names_.end());
             if (twice != names_.end())
@@ -57,10 +57,10 @@ void Xml::refuse(pugi::xml_node node, const std::string& why) const {
 }
 
 std::vector<pugi::xml_node> Xml::children(pugi::xml_node node, std::string_view name) {
-    std::vector<pugi::xml_node> found;
+    std::vector<pugi::xml_node> matches;
     for (const pugi::xml_node child : node.children())
-        if (local_name(child.name()) == name) found.push_back(child);
-    return found;
+        if (local_name(child.name()) == name) matches.push_back(child);
+    return matches;
 }
 
 pugi::xml_node Xml::child(pugi::xml_node node, std::string_view name) {
@@ -70,16 +70,16 @@ pugi::xml_node Xml::child(pugi::xml_node node, std::string_view name) {
 }
 
 pugi::xml_node Xml::only_child(pugi::xml_node node, std::string_view name) const {
-    const auto found = children(node, name);
-    if (found.size() > 1)
-        refuse(found[1], fmt::format("a second <{}> in one <{}>: remove one of them", name, shown(node.name())));
-    return found.empty() ? pugi::xml_node() : found[0];
+    const auto matches = children(node, name);
+    if (matches.size() > 1)
+        refuse(matches[1], fmt::format("a second <{}> in one <{}>: remove one of them", name, shown(node.name())));
+    return matches.empty() ? pugi::xml_node() : matches[0];
 }
 
 std::string Xml::text(pugi::xml_node node, const char* attribute) const {
-    const pugi::xml_attribute found = node.attribute(attribute);
-    if (!found) refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), attribute));
-    return found.value();
+    const pugi::xml_attribute match = node.attribute(attribute);
+    if (!match) refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), attribute));
+    return match.value();
 }
 
 double Xml::number(pugi::xml_node node, const char* attribute) const {

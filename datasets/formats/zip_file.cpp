@@ -59,16 +59,16 @@ std::optional<Directory> find_directory(std::string_view bytes) {
         if (end == first) return std::nullopt;
         --end;
     }
-    Directory found{integer(bytes, end + 16, 4), integer(bytes, end + 12, 4), integer(bytes, end + 10, 2)};
-    if (found.at == in_zip64 || found.size == in_zip64 || found.count == 0xffff) {
+    Directory directory{integer(bytes, end + 16, 4), integer(bytes, end + 12, 4), integer(bytes, end + 10, 2)};
+    if (directory.at == in_zip64 || directory.size == in_zip64 || directory.count == 0xffff) {
         if (end < locator_size || !record_at(bytes, end - locator_size, locator_size, "PK\x06\x07"))
             return std::nullopt;
         const std::uint64_t zip64 = integer(bytes, end - locator_size + 8, 8);
         if (!record_at(bytes, zip64, zip64_size, "PK\x06\x06")) return std::nullopt;
-        found = {integer(bytes, zip64 + 48, 8), integer(bytes, zip64 + 40, 8), integer(bytes, zip64 + 32, 8)};
+        directory = {integer(bytes, zip64 + 48, 8), integer(bytes, zip64 + 40, 8), integer(bytes, zip64 + 32, 8)};
     }
-    if (found.at > end || found.size > end - found.at) return std::nullopt;
-    return found;
+    if (directory.at > end || directory.size > end - directory.at) return std::nullopt;
+    return directory;
 }
 
 // Replaces the values that stand in the ZIP64 field among the extra fields of an entry, in this order.
@@ -141,10 +141,10 @@ std::string normal_part_name(std::string_view path) {
 
 ZipFile::ZipFile(const std::string& name, std::string_view bytes)
     : name_(name), bytes_(bytes), budget_(std::max<std::uint64_t>(inflated_anyway, inflation * bytes.size())) {
-    const auto found = find_directory(bytes);
-    if (!bytes.starts_with("PK") || !found)
+    const auto directory = find_directory(bytes);
+    if (!bytes.starts_with("PK") || !directory)
         throw InputError(name + ": is not a sound ZIP archive: it is truncated or damaged, save or fetch it again");
-    read_directory(found->at, found->at + found->size, found->count);
+    read_directory(directory->at, directory->at + directory->size, directory->count);
 }
 
 void ZipFile::read_directory(std::uint64_t at, std::uint64_t end, std::uint64_t count) {
@@ -181,9 +181,9 @@ std::string ZipFile::read(std::string_view path) {
     const auto no = [&](const std::string& why) {
         throw InputError(fmt::format("{}: its entry '{}' {}", name_, shown(path), why));
     };
-    const auto found = entries_.find(normal_part_name(path));
-    if (found == entries_.end()) no("is not in the archive: save or fetch the file again");
-    const Entry& entry = found->second;
+    const auto position = entries_.find(normal_part_name(path));
+    if (position == entries_.end()) no("is not in the archive: save or fetch the file again");
+    const Entry& entry = position->second;
     const std::string damaged = "is damaged: save or fetch the file again";
     if (entry.method != 0 && entry.method != Z_DEFLATED)
         no(fmt::format("is compressed by method {}, which is not supported: make the archive anew with 'deflate'",
@@ -197,7 +197,7 @@ std::string ZipFile::read(std::string_view path) {
     std::string_view rest = bytes_.substr(entry.header + record_size);
     const std::uint64_t name_size = integer(bytes_, entry.header + 26, 2),
                         extra_size = integer(bytes_, entry.header + 28, 2);
-    if (name_size + extra_size > rest.size() || rest.substr(0, name_size) != names_.at(found->first)) no(damaged);
+    if (name_size + extra_size > rest.size() || rest.substr(0, name_size) != names_.at(position->first)) no(damaged);
     rest.remove_prefix(name_size + extra_size);
     if (entry.packed > rest.size()) no(damaged);
     const std::string_view packed = rest.substr(0, entry.packed);

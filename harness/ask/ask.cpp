@@ -19,7 +19,7 @@ Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
-    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
+    for (Certificate& certificate : result.certificates) certificate.direction = Witness::Direction::target_to_source;
     return result;
 }
 
@@ -27,8 +27,8 @@ Result turned(Result result) {
 // is the larger of the two upper bounds. The lower bound of H is at least the lower bound of the direction that has
 // this upper bound, so the gap of H is at most the gap of that direction.
 Result larger_of(const Query& query, const Result& forward, const Result& backward) {
-    for (const Result* one : {&forward, &backward}) {
-        if (!may_bound_a_distance(one->bounds)) return *one;
+    for (const Result* result : {&forward, &backward}) {
+        if (!may_bound_a_distance(result->bounds)) return *result;
     }
     Result whole = forward;
     keep_larger(whole, backward);
@@ -82,22 +82,23 @@ private:
         const Result& whole = answer_.result;
         const double gap = query.tolerance.gap(whole.bounds.lower);
         if (directions == Directions::unknown || !(gap > 0) || whole.status != Status::converged) return;
-        Query one = query;
-        one.quantity = Quantity::directed;
-        one.tolerance = {Tolerance::Of::absolute, gap};
-        solve(one, false, answer_.forward_seconds, [this](const Result& result) { answer_.forward = result; });
-        solve(one, true, answer_.backward_seconds, [this](const Result& result) { answer_.backward = turned(result); });
+        Query directed = query;
+        directed.quantity = Quantity::directed;
+        directed.tolerance = {Tolerance::Of::absolute, gap};
+        solve(directed, false, answer_.forward_seconds, [this](const Result& result) { answer_.forward = result; });
+        solve(directed, true, answer_.backward_seconds,
+              [this](const Result& result) { answer_.backward = turned(result); });
     }
 
     void solve_both(const Query& query) {
-        Query one = query;
-        one.quantity = Quantity::directed;
-        solve(one, false, answer_.forward_seconds, [this](const Result& forward) {
+        Query directed = query;
+        directed.quantity = Quantity::directed;
+        solve(directed, false, answer_.forward_seconds, [this](const Result& forward) {
             answer_.forward = answer_.result = forward;
             answer_.result.bounds.upper = infinity;  // h(B,A) has no upper bound yet
         });
         if (answer_.forward->status == Status::above_cutoff && !query.wanted.certificate) return;
-        solve(one, true, answer_.backward_seconds, [&](const Result& backward) {
+        solve(directed, true, answer_.backward_seconds, [&](const Result& backward) {
             answer_.backward = turned(backward);
             answer_.result = larger_of(query, *answer_.forward, *answer_.backward);
         });

@@ -47,8 +47,8 @@ public:
         Counters unused;
         ClosestHints hints;
         hints.warm_triangle = near;
-        const ClosestPoint found = tree_.closest(p, hints, unused);
-        return {std::sqrt(found.squared_distance), found.triangle};
+        const ClosestPoint nearest = tree_.closest(p, hints, unused);
+        return {std::sqrt(nearest.squared_distance), nearest.triangle};
     }
 
 private:
@@ -119,10 +119,10 @@ private:
     using Edge = std::uint64_t;  // the numbers of its two vertices: the smaller one times 2^32, plus the larger one
 
     Index add(const Vec3& p, Index near) {
-        const auto found = late_ ? DistanceTo::Found{infinity, -1} : distance_to_(p, near);
+        const auto closest = late_ ? DistanceTo::Found{infinity, -1} : distance_to_(p, near);
         points.push_back(p);
-        distances.push_back(found.distance);
-        nearest.push_back(found.element);
+        distances.push_back(closest.distance);
+        nearest.push_back(closest.element);
         return static_cast<Index>(points.size() - 1);
     }
 
@@ -140,9 +140,9 @@ private:
         int best = 0;
         std::pair<double, Edge> most{-1, 0};
         for (int k = 0; k < 3; ++k) {
-            const std::pair<double, Edge> one{squared_length_of(edge_of(piece, k)), edge_of(piece, k)};
-            if (one > most) {
-                most = one;
+            const std::pair<double, Edge> candidate{squared_length_of(edge_of(piece, k)), edge_of(piece, k)};
+            if (candidate > most) {
+                most = candidate;
                 best = k;
             }
         }
@@ -224,17 +224,17 @@ private:
 
     // Returns the pieces at an edge, in order.
     std::vector<std::size_t> pieces_at(Edge edge) const {
-        std::vector<std::size_t> found;
+        std::vector<std::size_t> indices;
         for (auto at = std::lower_bound(listed_.begin(), listed_.end(), std::pair<Edge, std::size_t>{edge, 0});
              at != listed_.end() && at->first == edge; ++at)
-            if (has(pieces[at->second], edge)) found.push_back(at->second);
+            if (has(pieces[at->second], edge)) indices.push_back(at->second);
         const auto at = changed_at_.find(edge);
-        if (at == changed_at_.end()) return found;
+        if (at == changed_at_.end()) return indices;
         for (const std::size_t i : at->second)
-            if (has(pieces[i], edge)) found.push_back(i);
-        std::sort(found.begin(), found.end());
-        found.erase(std::unique(found.begin(), found.end()), found.end());
-        return found;
+            if (has(pieces[i], edge)) indices.push_back(i);
+        std::sort(indices.begin(), indices.end());
+        indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+        return indices;
     }
 
     // Marks an edge for bisection, and the longest edges that must be bisected with it. If this would exceed the limit
@@ -377,9 +377,9 @@ Fields as_fields(const DrawnField& drawn) {
     return fields;
 }
 
-void add_own(Fields& fields, Fields own) {
+void add_own(Fields& fields, Fields solver_fields) {
     constexpr std::string_view taken[] = {"distance", "nearest", "x", "y", "z", "a", "b", "c", "element"};
-    for (Field& field : own) {
+    for (Field& field : solver_fields) {
         if (std::find(std::begin(taken), std::end(taken), field.name) != std::end(taken))
             field.name = "own " + field.name;
         fields.push_back(std::move(field));

@@ -55,7 +55,7 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
 Fields as_fields(const DrawnField& drawn);
 
 // Appends a solver's own fields. A name that as_fields() also uses gets the prefix "own ".
-void add_own(Fields& fields, Fields own);
+void add_own(Fields& fields, Fields solver_fields);
 
 // Returns the error limit of draw_distance(): 320 * 2^-53 * magnitude, plus a term for subnormal numbers.
 double field_error(double magnitude);

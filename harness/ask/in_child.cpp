@@ -23,7 +23,7 @@ namespace {
 json json_of(const Result& r) {
     const Witness& w = r.witness;
     json statistics = json::array();
-    for (const Bounds& one : r.statistics) statistics.push_back({number(one.lower), number(one.upper)});
+    for (const Bounds& bounds : r.statistics) statistics.push_back({number(bounds.lower), number(bounds.upper)});
     return {{"status", int(r.status)},
             {"bounds", {number(r.bounds.lower), number(r.bounds.upper)}},
             {"points", {w.source_point, w.target_point}},
@@ -43,7 +43,7 @@ Result result_of(const json& j) {
     r.witness = {j.at("points").at(0), j.at("points").at(1), j.at("elements").at(0), j.at("elements").at(1),
                  Witness::Direction(direction)};
     r.note = j.at("note");
-    for (const json& one : j.at("statistics")) r.statistics.push_back({number(one.at(0)), number(one.at(1))});
+    for (const json& bounds : j.at("statistics")) r.statistics.push_back({number(bounds.at(0)), number(bounds.at(1))});
     return r;
 }
 
@@ -57,8 +57,8 @@ json json_of(const Answer& a) {
 Answer answer_of(const json& j) {
     Answer a;
     a.result = result_of(j.at("result"));
-    if (const json& one = j.at("directions").at(0); !one.is_null()) a.forward = result_of(one);
-    if (const json& one = j.at("directions").at(1); !one.is_null()) a.backward = result_of(one);
+    if (const json& forward = j.at("directions").at(0); !forward.is_null()) a.forward = result_of(forward);
+    if (const json& backward = j.at("directions").at(1); !backward.is_null()) a.backward = result_of(backward);
     const json& seconds = j.at("seconds");
     a.prepare_seconds = seconds.at(0);
     a.solve_seconds = seconds.at(1);

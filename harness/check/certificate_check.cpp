@@ -326,16 +326,16 @@ double bound_of(const Shape& source, const Points& source_points, const Shape& t
     const int exponent = largest > 0 ? -1 - std::ilogb(largest) : 0;
     const Soup a(source, source_points, exponent), b(target, target_points, exponent);
     Cover cover(a, b, bytes, check);
-    double found = 0;
+    double bound = 0;
     try {
         const CGAL::Protect_FPU_rounding<true> upward(
             WATCHED_ELSE("certificates: intervals are rounded outward", CGAL_FE_UPWARD, CGAL_FE_TONEAREST));
-        found = cover.run(looking);
-        if (!a.exact() || !b.exact()) found += WATCHED("certificates: coordinates that scaling loses", 0x1p-1073);
+        bound = cover.run(looking);
+        if (!a.exact() || !b.exact()) bound += WATCHED("certificates: coordinates that scaling loses", 0x1p-1073);
     } catch (const Refused& refused) {
         throw Refused(fmt::format("{}: {}", cover.place(), refused.what()));
     }
-    return scaled_back(found, exponent);
+    return scaled_back(bound, exponent);
 }
 
 }  // namespace

@@ -91,8 +91,8 @@ json parse_header(std::string_view line) {
 }
 
 template <class E> E named(const json& name, std::initializer_list<E> all) {
-    for (E one : all) {
-        if (name == to_string(one)) return one;
+    for (E value : all) {
+        if (name == to_string(value)) return value;
     }
     throw std::runtime_error("no such name");
 }
@@ -102,11 +102,11 @@ Witness::Direction direction_of(const json& name) {
 
 json header(const CertificateFile& c) {
     json certificates = json::array();
-    for (const Certificate& one : c.certificates) {
-        certificates.push_back({{"format", one.format},
-                                {"direction", to_string(one.direction)},
-                                {"proven", number(one.proven)},
-                                {"bytes", one.bytes.size()}});
+    for (const Certificate& certificate : c.certificates) {
+        certificates.push_back({{"format", certificate.format},
+                                {"direction", to_string(certificate.direction)},
+                                {"proven", number(certificate.proven)},
+                                {"bytes", certificate.bytes.size()}});
     }
     return {{"hausbench_certificate", format_version},
             {"source", model_json(c.source)},
@@ -144,10 +144,10 @@ CertificateFile parse(std::string_view bytes) {
                  whole<Index>(w.at("source_element"), -1), whole<Index>(w.at("target_element"), -1),
                  direction_of(w.at("direction"))};
     std::size_t at = end + 1;
-    for (const json& one : j.at("certificates")) {
-        const std::size_t size = whole<std::size_t>(one.at("bytes"), 0);
+    for (const json& entry : j.at("certificates")) {
+        const std::size_t size = whole<std::size_t>(entry.at("bytes"), 0);
         if (size > bytes.size() - at) throw std::runtime_error("it ends too early");
-        c.certificates.push_back({one.at("format"), direction_of(one.at("direction")), number(one.at("proven")),
+        c.certificates.push_back({entry.at("format"), direction_of(entry.at("direction")), number(entry.at("proven")),
                                   std::string(bytes.substr(at, size))});
         at += size;
     }
@@ -190,7 +190,7 @@ double extent_of(const CertificateFile& c, const Shape& source, const Shape& tar
 
 double proven_by(const CertificateFile& c) {
     double proven = 0;
-    for (const Certificate& one : c.certificates) proven = std::max(proven, one.proven);
+    for (const Certificate& certificate : c.certificates) proven = std::max(proven, certificate.proven);
     return proven;
 }
 
@@ -221,8 +221,9 @@ bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};
     if (c.quantity == Quantity::symmetric) wanted.push_back(Direction::target_to_source);
-    return std::equal(c.certificates.begin(), c.certificates.end(), wanted.begin(), wanted.end(),
-                      [](const Certificate& one, Direction direction) { return one.direction == direction; });
+    return std::equal(
+        c.certificates.begin(), c.certificates.end(), wanted.begin(), wanted.end(),
+        [](const Certificate& certificate, Direction direction) { return certificate.direction == direction; });
 }
 
 // Checks the lower bound of the answer. Returns the result as text, and sets `wrong` if the file must be refused.
@@ -280,7 +281,7 @@ Shape as_loaded(const PreparedShape& prepared) {
 
 void write_certificate(const fs::path& file, const CertificateFile& content) {
     std::string bytes = header(content).dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
-    for (const Certificate& one : content.certificates) bytes += one.bytes;
+    for (const Certificate& certificate : content.certificates) bytes += certificate.bytes;
     write_whole_file(file, bytes + seal_of(bytes));
 }
 
@@ -312,9 +313,9 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     if (WATCHED("certificate file: H takes both directions", !proves_its_quantity(content)))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
-    for (const Certificate& one : content.certificates) {
+    for (const Certificate& certificate : content.certificates) {
         verdict.checks.push_back(
-            check_certificate(source, content.source.pose, target, content.target.pose, one, looking));
+            check_certificate(source, content.source.pose, target, content.target.pose, certificate, looking));
         if (WATCHED_ELSE("certificate file: every certificate is accepted",
                          WATCHED("fuzz target of certificates: an upper bound that its leaves do not show",
                                  !verdict.checks.back().accepted),
@@ -349,10 +350,10 @@ std::string describe(const CertificateFile& content, const CertificateVerdict& v
     }
     for (std::size_t i = 0; i < verdict.checks.size(); ++i) {
         const CertificateCheck& check = verdict.checks[i];
-        const Certificate& one = content.certificates[i];
-        const bool forward = one.direction == Witness::Direction::source_to_target;
+        const Certificate& certificate = content.certificates[i];
+        const bool forward = certificate.direction == Witness::Direction::source_to_target;
         text += fmt::format("{}     claims <= {:.17g}, its leaves show {:.17g}\n", forward ? "h(A,B)" : "h(B,A)",
-                            one.proven, check.found);
+                            certificate.proven, check.found);
         text += fmt::format("           {} cuts, {} leaves (one {}, centre {}, vertex {}){}; {:.3f} s\n", check.cuts,
                             check.leaves(), check.one, check.centre, check.vertex,
                             std::isfinite(check.found) ? fmt::format(", the largest in triangle {}", check.worst) : "",

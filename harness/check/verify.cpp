@@ -172,9 +172,9 @@ private:
     // Returns the end of a message on a refuted lower bound: the value that its witness shows instead. The witness is
     // on the source if `forward`. For surfaces, `shown` is 0 if no point of the surface was found near the witness.
     std::string what_is_shown(double shown, bool forward) const {
-        const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
+        const char *side = forward ? "source" : "target", *other = forward ? "target" : "source";
         if (!surfaces_) return fmt::format(" is above the distance of its witness ({:.17g})", shown);
-        if (shown == 0) return fmt::format(": nothing shows that the witness is near the {}", own);
+        if (shown == 0) return fmt::format(": nothing shows that the witness is near the {}", side);
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
@@ -210,16 +210,16 @@ private:
         const std::vector<double> same{double(from_second), p[0], p[1], p[2], double(element), lower};
         auto at = known_.find(same);
         if (at == known_.end()) {
-            Found found{};
+            Found entry{};
             if (surfaces_)
-                found.verdict = check_surface_lower(
+                entry.verdict = check_surface_lower(
                     std::get<AlgebraicSurface>(
                         *shapes_[WATCHED("verify: the surface that the witness lies on", from_second)]),
-                    std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
+                    std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, entry.shown);
             else
-                found.verdict =
-                    checkers_[m.turned].lower(lower, witness, row.spec.pose, row.spec.target_pose, found.shown);
-            at = known_.emplace(same, found).first;
+                entry.verdict =
+                    checkers_[m.turned].lower(lower, witness, row.spec.pose, row.spec.target_pose, entry.shown);
+            at = known_.emplace(same, entry).first;
         }
         shown = at->second.shown;
         return at->second.verdict;
@@ -341,15 +341,15 @@ Question question_of(const Case& c) {
 // references that are unsound or refused.
 void take_references(std::vector<Row>& rows, const std::vector<Row>& references) {
     std::map<Question, Bounds> narrowest;
-    for (const Row& one : references) {
-        const Bounds& bounds = one.outcome.bounds;
-        const auto proof = one.outcome.facts.find("certificate");
-        const bool refused = proof != one.outcome.facts.end() && proof->second.starts_with("refused");
-        const bool usable = one.outcome.status != RowStatus::unsound && !refused && bounds.lower <= bounds.upper;
-        if (!usable || one.spec.source_hash.empty() || one.spec.target_hash.empty() || !finite(one.spec.pose) ||
-            !finite(one.spec.target_pose))
+    for (const Row& reference : references) {
+        const Bounds& bounds = reference.outcome.bounds;
+        const auto proof = reference.outcome.facts.find("certificate");
+        const bool refused = proof != reference.outcome.facts.end() && proof->second.starts_with("refused");
+        const bool usable = reference.outcome.status != RowStatus::unsound && !refused && bounds.lower <= bounds.upper;
+        if (!usable || reference.spec.source_hash.empty() || reference.spec.target_hash.empty() ||
+            !finite(reference.spec.pose) || !finite(reference.spec.target_pose))
             continue;
-        const auto [at, fresh] = narrowest.emplace(question_of(one.spec), bounds);
+        const auto [at, fresh] = narrowest.emplace(question_of(reference.spec), bounds);
         if (bounds.gap() < at->second.gap()) at->second = bounds;
     }
     for (Row& row : rows) {

@@ -302,8 +302,8 @@ Verdict check_fields(const Fields& fields, const Shape& source, const Pose& sour
     try {
         FieldCheck(a, b, slack, stop).all(fields);
         return Verdict::holds;
-    } catch (const Unsound& found) {
-        reason = found.reason;
+    } catch (const Unsound& refutation) {
+        reason = refutation.reason;
         return Verdict::unsound;
     } catch (const Stopped&) {
         return Verdict::not_checked;

@@ -52,7 +52,7 @@ Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, co
 struct Body {
     Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
         if (!surface.finite()) return;
-        std::set<std::array<std::array<double, 3>, 3>> known;
+        std::set<std::array<std::array<double, 3>, 3>> seen;
         for (Index i = 0; i < surface.count(); ++i) {
             const Element element = surface[i];
             std::array<std::array<double, 3>, 3> corners;
@@ -60,7 +60,7 @@ struct Body {
                 corners[k] = {element[k][0] + 0.0, element[k][1] + 0.0, element[k][2] + 0.0};  // -0 is 0
             std::sort(corners.begin(), corners.end());
             if (corners[0] == corners[1] || corners[1] == corners[2] ||
-                WATCHED("verify_penetration: triangles that are there twice", !known.insert(corners).second))
+                WATCHED("verify_penetration: triangles that are there twice", !seen.insert(corners).second))
                 continue;
             Eigen::AlignedBox3d box;
             for (const Vec3& v : element) box.extend(v);
@@ -84,9 +84,9 @@ struct Body {
             bool doubtful = false;
             for (std::size_t k = 0; k < triangles.size() && !doubtful; ++k) {
                 if (!way.intersects(boxes[k])) continue;
-                const Crossing found = crossing(point(p), point(end), surface[triangles[k]]);
-                doubtful = found == Crossing::doubtful;
-                crossed += found == Crossing::clean;
+                const Crossing met = crossing(point(p), point(end), surface[triangles[k]]);
+                doubtful = met == Crossing::doubtful;
+                crossed += met == Crossing::clean;
             }
             if (!doubtful) return crossed % 2 == 1;
         }
@@ -109,26 +109,26 @@ struct Body {
     bool connected_surface_meets(Index triangle, const Body& other) const {
         std::map<std::array<double, 3>, std::vector<std::size_t>> around;
         const auto key = [](const Vec3& v) { return std::array<double, 3>{v[0] + 0.0, v[1] + 0.0, v[2] + 0.0}; };
-        std::vector<std::size_t> found;
+        std::vector<std::size_t> part;
         std::vector<bool> seen(triangles.size(), false);
         for (std::size_t k = 0; k < triangles.size(); ++k) {
             for (const Vec3& v : surface[triangles[k]]) around[key(v)].push_back(k);
             if (triangles[k] == triangle) {
-                found.push_back(k);
+                part.push_back(k);
                 seen[k] = true;
             }
         }
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            const Element own = surface[triangles[found[i]]];
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const Element element = surface[triangles[part[i]]];
             for (std::size_t k = 0; k < other.triangles.size(); ++k) {
-                if (boxes[found[i]].intersects(other.boxes[k]) &&
-                    CGAL::do_intersect(exact(own), exact(other.surface[other.triangles[k]])))
+                if (boxes[part[i]].intersects(other.boxes[k]) &&
+                    CGAL::do_intersect(exact(element), exact(other.surface[other.triangles[k]])))
                     return true;
             }
-            for (const Vec3& v : own) {
+            for (const Vec3& v : element) {
                 for (const std::size_t next : around.at(key(v))) {
                     if (!seen[next]) {
-                        found.push_back(next);
+                        part.push_back(next);
                         seen[next] = true;
                     }
                 }
@@ -162,10 +162,10 @@ bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) 
 
 // Returns the triangles of a body that are nearer to p than r.
 std::vector<Index> near(const Body& body, const Vec3& p, double r) {
-    std::vector<Index> found;
+    std::vector<Index> indices;
     for (const Index i : body.triangles)
-        if (!body.surface.beyond(i, p, r) && nearer(squared_distance(p, body.surface[i]), r)) found.push_back(i);
-    return found;
+        if (!body.surface.beyond(i, p, r) && nearer(squared_distance(p, body.surface[i]), r)) indices.push_back(i);
+    return indices;
 }
 
 std::string unsound(const char* bound, double value, const std::string& why) {
@@ -203,8 +203,8 @@ struct PenetrationChecker::Pair {
         const bool forward = witness.direction == Witness::Direction::source_to_target;
         const Vec3& p = forward ? witness.source_point : witness.target_point;
         if (!p.allFinite()) return Verdict::no_witness;
-        const Body &own = forward ? source : target, &other = forward ? target : source;
-        const std::vector<Index> at = near(own, p, 2 * slack);
+        const Body &body = forward ? source : target, &other = forward ? target : source;
+        const std::vector<Index> at = near(body, p, 2 * slack);
         if (WATCHED("verify_penetration: the witness lies on its surface", at.empty())) {
             reason = unsound("lower", lower, "the witness is not on its surface");
             return Verdict::unsound;
@@ -220,18 +220,19 @@ struct PenetrationChecker::Pair {
         if (!(r > 0)) return Verdict::holds;
         bool settled = true;
         std::vector<Vec3> outside;  // nearer points that do not bound the common volume
-        const std::vector<Index> around = near(own, p, r);
+        const std::vector<Index> around = near(body, p, r);
         for (const Index i : near(other, p, r)) {
             if (stop && stop()) return Verdict::not_checked;
             const Element element = other.surface[i];
             const Vec3 q = p + rough_offset(p, element);
             const bool cut = std::any_of(around.begin(), around.end(),
-                                         [&](Index k) { return meet_near(element, own.surface[k], p, r); });
+                                         [&](Index k) { return meet_near(element, body.surface[k], p, r); });
             if (WATCHED_ELSE(
                     "verify_penetration: a nearer triangle that crosses the first solid",
-                    !cut && WATCHED_ELSE("verify_penetration: nearer triangles within the first solid",
-                                         own.holds(q) == std::optional(false) && near(own, q, 2 * slack).empty(), true),
-                    own.holds(q) != std::optional(true))) {
+                    !cut &&
+                        WATCHED_ELSE("verify_penetration: nearer triangles within the first solid",
+                                     body.holds(q) == std::optional(false) && near(body, q, 2 * slack).empty(), true),
+                    body.holds(q) != std::optional(true))) {
                 outside.push_back(q);
             } else if (same_part(p, q)) {
                 reason = bounded(lower, p, q);
@@ -240,7 +241,7 @@ struct PenetrationChecker::Pair {
                 settled = false;
             }
         }
-        if (settled && !outside.empty()) return beside(lower, p, at.front(), own, other, outside, reason);
+        if (settled && !outside.empty()) return beside(lower, p, at.front(), body, other, outside, reason);
         return settled ? Verdict::holds : Verdict::not_checked;
     }
 
@@ -275,33 +276,33 @@ struct PenetrationChecker::Pair {
     // Returns up to four points at about this distance from the surface point p. The segments from p to them are proven
     // to lie inside both solids.
     std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
-        std::vector<Vec3> found;
-        for (int direction = 0; direction < 24 && found.size() < 4;
+        std::vector<Vec3> points;
+        for (int direction = 0; direction < 24 && points.size() < 4;
              ++direction) {  // 3 rotations of one vector, 8 sign patterns
             Vec3 way(1, 0.7, 0.4);
             for (int k = 0; k < 3; ++k)
                 if ((direction >> k & 1) != 0) way[k] = -way[k];
             const int turn = direction / 8;
             const Vec3 q = p + distance * Vec3(way[turn], way[(turn + 1) % 3], way[(turn + 2) % 3]);
-            if (within_both(p, q)) found.push_back(q);
+            if (within_both(p, q)) points.push_back(q);
         }
-        return found;
+        return points;
     }
 
     // Returns the verdict on `lower` if the surface of `other` is nearer to the witness p, a point on the surface of
-    // `own`, but only at points outside `own`. These do not bound the part of the common volume at p. If `other` bounds
-    // this part elsewhere, the bound holds. Otherwise `other` encloses the part, so the depth is the distance to its
-    // whole surface, and the bound is refuted.
-    Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
+    // `body`, but only at points outside `body`. These do not bound the part of the common volume at p. If `other`
+    // bounds this part elsewhere, the bound holds. Otherwise `other` encloses the part, so the depth is the distance to
+    // its whole surface, and the bound is refuted.
+    Verdict beside(double lower, const Vec3& p, Index at, const Body& body, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
         if (WATCHED_ELSE("verify_penetration: an enclosed part is as far from the whole of the other mesh",
-                         own.connected_surface_meets(at, other), true))
+                         body.connected_surface_meets(at, other), true))
             return Verdict::holds;
-        bool within = false;  // a vertex of the other mesh may lie inside `own`
+        bool within = false;  // a vertex of the other mesh may lie inside `body`
         for (const Index i : other.triangles) {
             if (stop && stop()) return Verdict::not_checked;
             for (const Vec3& v : other.surface[i]) {
-                if (own.holds(v) == std::optional(false)) continue;
+                if (body.holds(v) == std::optional(false)) continue;
                 if (same_part(p, v)) return Verdict::holds;
                 within = true;
             }
@@ -316,10 +317,10 @@ struct PenetrationChecker::Pair {
     // Returns a vertex of one mesh that lies inside the other solid, at least `length` away from its surface. Returns
     // nothing if there is none. O(|A| |B|).
     std::optional<Vec3> deeper_than(double length) const {
-        for (const auto& [own, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
+        for (const auto& [body, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
             std::set<std::array<double, 3>> seen;
-            for (const Index i : own->triangles) {
-                for (const Vec3& p : own->surface[i]) {
+            for (const Index i : body->triangles) {
+                for (const Vec3& p : body->surface[i]) {
                     if (!other->whole.contains(p) || !seen.insert({p[0], p[1], p[2]}).second) continue;
                     if (stop && stop()) return std::nullopt;
                     if (WATCHED("verify_penetration: vertices that lie deeper",

@@ -119,19 +119,19 @@ struct StatisticsChecker::Pair {
         const BoxTree tree(to);
         std::mt19937_64 random(of_source ? 1 : 2);
         std::uniform_real_distribution<double> uniform;
-        Samples found;
+        Samples drawn;
         // 84 * 2^-53 by verify.cpp, and a few for a point inside a triangle.
-        found.error = 100 * 0x1p-53 * largest + tree.error_of_slivers();
-        const auto measure = [&](const Vec3& p) { found.distances.push_back(tree.nearest(p).second); };
+        drawn.error = 100 * 0x1p-53 * largest + tree.error_of_slivers();
+        const auto measure = [&](const Vec3& p) { drawn.distances.push_back(tree.nearest(p).second); };
         const bool mesh = kind_of(of_source ? source_shape : target_shape) == ShapeKind::mesh;
         if (weigh == WeighBy::number || !mesh) {
             const std::vector<Vec3> all = points_of_shape(of_source);
-            found.weight = double(all.size());
+            drawn.weight = double(all.size());
             for (const Vec3& p : all) {
                 if (stop && stop()) return std::nullopt;
                 measure(p);
             }
-            found.complete = true;
+            drawn.complete = true;
         } else {
             std::vector<double> sums;
             double sum = 0;
@@ -142,10 +142,10 @@ struct StatisticsChecker::Pair {
                 sums.push_back(sum += lines ? (end_of(e) - e[0]).norm() : exact_area(e));
                 const Vec3 centre = (e[0] + e[1] + e[2]) / 3;
                 const Element& nearest = tree.element(tree.nearest(centre).first);
-                for (const Vec3& v : e) found.most = std::max(found.most, distance_to(v, nearest));
+                for (const Vec3& v : e) drawn.most = std::max(drawn.most, distance_to(v, nearest));
             }
             if (!(sum > 0)) return std::nullopt;
-            found.weight = sum;
+            drawn.weight = sum;
             for (std::size_t k = 0; k < count; ++k) {
                 if (stop && k % 1024 == 0 && stop()) return std::nullopt;
                 const auto at = std::upper_bound(sums.begin(), sums.end(), uniform(random) * sum);
@@ -157,9 +157,9 @@ struct StatisticsChecker::Pair {
                     measure((1 - root) * e[0] + root * (1 - t) * e[1] + root * t * e[2]);
             }
         }
-        std::sort(found.distances.begin(), found.distances.end());
-        found.most = std::max(found.most, found.distances.back()) + found.error;
-        return found;
+        std::sort(drawn.distances.begin(), drawn.distances.end());
+        drawn.most = std::max(drawn.most, drawn.distances.back()) + drawn.error;
+        return drawn;
     }
 };
 
@@ -194,38 +194,39 @@ namespace {
 // Returns the interval of a statistic over the samples of some shapes together.
 template <class Samples> Around around(const Statistic& statistic, const std::vector<const Samples*>& all) {
     double weight = 0, most = 0, error = 0, largest_sample = 0;
-    for (const Samples* one : all) {
-        weight += one->weight;
-        most = std::max(most, one->most);
-        error = std::max(error, one->error);
-        largest_sample = std::max(largest_sample, one->distances.back());
+    for (const Samples* samples : all) {
+        weight += samples->weight;
+        most = std::max(most, samples->most);
+        error = std::max(error, samples->error);
+        largest_sample = std::max(largest_sample, samples->distances.back());
     }
     const auto mean_of = [&](const auto& value, double largest, double rounding) {
         Around sum{0, 0};
-        for (const Samples* one : all) {
-            const Around mean = one->mean(value, largest, rounding);
-            sum.low += one->weight / weight * mean.low;
-            sum.high += one->weight / weight * mean.high;
+        for (const Samples* samples : all) {
+            const Around mean = samples->mean(value, largest, rounding);
+            sum.low += samples->weight / weight * mean.low;
+            sum.high += samples->weight / weight * mean.high;
         }
         return sum;
     };
     // F at t, with its error.
     const auto share = [&](double t, double way) {
         double sum = 0;
-        for (const Samples* one : all) sum += one->weight / weight * (one->share(t) + way * one->share_error());
+        for (const Samples* samples : all)
+            sum += samples->weight / weight * (samples->share(t) + way * samples->share_error());
         return sum;
     };
     // The least sample at which F, with its error, is at least `level`.
     const auto quantile = [&](double level, double way) {
         level -= way * 1e-12;                     // the sums above err by less
         if (share(-1, way) >= level) return 0.0;  // even below all samples
-        double found = most;
-        for (const Samples* one : all) {
-            const auto& d = one->distances;
+        double least = most;
+        for (const Samples* samples : all) {
+            const auto& d = samples->distances;
             const auto at = std::partition_point(d.begin(), d.end(), [&](double t) { return share(t, way) < level; });
-            if (at != d.end()) found = std::min(found, *at);
+            if (at != d.end()) least = std::min(least, *at);
         }
-        return found;
+        return least;
     };
     switch (statistic.kind) {
         case Statistic::Kind::mean:
@@ -260,27 +261,27 @@ Check StatisticsChecker::check(const Bounds& bounds, const Statistic& statistic,
     std::vector<const Samples*> all;
     if (needs_source(statistic)) all.push_back(samples(true, weigh));
     if (needs_target(statistic)) all.push_back(samples(false, weigh));
-    if (std::any_of(all.begin(), all.end(), [](const Samples* one) { return one == nullptr; })) return {};
-    Around found{};
+    if (std::any_of(all.begin(), all.end(), [](const Samples* drawn) { return drawn == nullptr; })) return {};
+    Around interval{};
     if (statistic.over == Over::larger || statistic.over == Over::mean_of_both || statistic.over == Over::harmonic_mean)
-        found = combined(statistic.over, around<Samples>(statistic, {all[0]}), around<Samples>(statistic, {all[1]}));
+        interval = combined(statistic.over, around<Samples>(statistic, {all[0]}), around<Samples>(statistic, {all[1]}));
     else
-        found = around<Samples>(statistic, all);
+        interval = around<Samples>(statistic, all);
     // The sums above err by less than 1e-12.
-    const double slack = is_share(statistic) ? 1e-12 : all[0]->error + 1e-12 * found.high;
+    const double slack = is_share(statistic) ? 1e-12 : all[0]->error + 1e-12 * interval.high;
     Check check{Verdict::holds, Verdict::holds, "", Verdict::not_checked};
-    if (!(bounds.lower <= found.high + slack)) {
+    if (!(bounds.lower <= interval.high + slack)) {
         check.lower = Verdict::unsound;
         check.reason =
-            fmt::format("lower {:.17g} is above {:.6g}, which samples do not explain", bounds.lower, found.high);
+            fmt::format("lower {:.17g} is above {:.6g}, which samples do not explain", bounds.lower, interval.high);
     }
-    if (!(bounds.upper >= found.low - slack) || !(bounds.upper >= bounds.lower)) {
+    if (!(bounds.upper >= interval.low - slack) || !(bounds.upper >= bounds.lower)) {
         check.upper = Verdict::unsound;
         if (!check.reason.empty()) check.reason += "; ";
-        check.reason +=
-            bounds.upper < bounds.lower
-                ? fmt::format("upper {:.17g} is below lower {:.17g}", bounds.upper, bounds.lower)
-                : fmt::format("upper {:.17g} is below {:.6g}, which samples do not explain", bounds.upper, found.low);
+        check.reason += bounds.upper < bounds.lower
+                            ? fmt::format("upper {:.17g} is below lower {:.17g}", bounds.upper, bounds.lower)
+                            : fmt::format("upper {:.17g} is below {:.6g}, which samples do not explain", bounds.upper,
+                                          interval.low);
     }
     return check;
 }

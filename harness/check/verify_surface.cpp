@@ -64,8 +64,8 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
             below = below || at_low.sup() <= 0 || at_high.sup() <= 0;
             above = above || at_low.inf() >= 0 || at_high.inf() >= 0;
             if (!changes_sign(at_low, at_high)) continue;
-            const double found = bracketed(f, p, low, high, k);
-            if (!least || found < *least) least = found;
+            const double distance = bracketed(f, p, low, high, k);
+            if (!least || distance < *least) least = distance;
         }
         if (least) return least;
         if (below && above) return WATCHED("verify: a witness far from its surface costs how far it is", reach);
@@ -140,9 +140,9 @@ Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurfa
         if (looked == boxes_at_most) return Verdict::not_checked;
         const Box box = boxes.back();
         boxes.pop_back();
-        const Found found = look(f, box, p, r, lower, shown);
-        if (found == Found::near) return Verdict::unsound;
-        if (found == Found::nothing) continue;
+        const Found answer = look(f, box, p, r, lower, shown);
+        if (answer == Found::near) return Verdict::unsound;
+        if (answer == Found::nothing) continue;
         const Vec3 middle = 0.5 * (box.low + box.high);
         if (((box.high - box.low).array() < 0x1p-48 * (1 + p.cwiseAbs().maxCoeff())).all()) return Verdict::not_checked;
         for (int c = 0; c < 8; ++c) {

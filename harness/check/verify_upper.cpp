@@ -30,10 +30,10 @@ public:
     // Calls visit(i) for the points in the cell of p, then in the 26 cells around it, and stops when visit(i) returns
     // true.
     template <class Visit> void near(const Vec3& p, Visit visit) const {
-        const Cell own = cell_of(p);
-        if (any_in(own, visit)) return;
+        const Cell centre = cell_of(p);
+        if (any_in(centre, visit)) return;
         for (int k = 0; k < 27; ++k) {
-            const Cell other = {own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1};
+            const Cell other = {centre[0] + k % 3 - 1, centre[1] + k / 3 % 3 - 1, centre[2] + k / 9 - 1};
             if (k != 13 && any_in(other, visit)) return;
         }
     }
@@ -59,8 +59,8 @@ private:
     }
 
     template <class Visit> bool any_in(const Cell& cell, Visit visit) const {
-        const auto found = cells_.find(cell);
-        return found != cells_.end() && std::any_of(found->second.begin(), found->second.end(), visit);
+        const auto entry = cells_.find(cell);
+        return entry != cells_.end() && std::any_of(entry->second.begin(), entry->second.end(), visit);
     }
 
     double side_;
@@ -108,14 +108,14 @@ private:
 // Returns whether a point of `to` is at most `upper` away from p. The result is meaningless once the limit has passed.
 bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, Limit& limit) {
     std::vector<Index> doubtful;
-    bool found = false;
+    bool certain = false;
     const auto visit = [&](Index i) {
         const Judged judged = judge(p, to.row(i), upper);
         if (judged.doubtful) doubtful.push_back(i);
-        return (found = judged.certain) || limit.passed();
+        return (certain = judged.certain) || limit.passed();
     };
     const auto within = [&](Index i) { return limit.passed() || is_within(p, to.row(i), upper); };
-    const auto settled = [&] { return found || std::any_of(doubtful.begin(), doubtful.end(), within); };
+    const auto settled = [&] { return certain || std::any_of(doubtful.begin(), doubtful.end(), within); };
     {
         CGAL::Protect_FPU_rounding<true> upward;
         grid.near(p, visit);

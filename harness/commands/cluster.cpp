@@ -308,14 +308,14 @@ std::string cluster_status(const ExperimentArguments& arguments, const Plan& pla
         const auto shards = here.shards(here.queue_if_it_answers(trouble).shards);
         if (!trouble.empty()) say({"the queue is not known: " + trouble});
         for (std::size_t i = 0; i < shards.size(); ++i) {
-            const auto& one = shards[i];
-            cases += one.cases;
-            open += one.open;
-            add(fmt::format("{}/{}", i + 1, shards.size()), one.cases, one.open,
-                !one.state.empty() ? one.state
-                : one.open == 0    ? "finished"
-                : !trouble.empty() ? ""
-                                   : "not in the queue: submit again");
+            const auto& shard = shards[i];
+            cases += shard.cases;
+            open += shard.open;
+            add(fmt::format("{}/{}", i + 1, shards.size()), shard.cases, shard.open,
+                !shard.state.empty() ? shard.state
+                : shard.open == 0    ? "finished"
+                : !trouble.empty()   ? ""
+                                     : "not in the queue: submit again");
         }
     } else {
         const Finished finished(plan, results_of(arguments), plan.experiment.stem, {false, true, true},

@@ -111,17 +111,17 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
                                                                        e.scenes[job.scene].name, jobs.size()));
     JobEstimate all;
     std::size_t cases = 0;
-    for (const Job* one : jobs) {
-        const JobEstimate estimate = estimates.of(plan, *one);
+    for (const Job* seeded_job : jobs) {
+        const JobEstimate estimate = estimates.of(plan, *seeded_job);
         all.seconds += estimate.seconds;
-        all.known += estimate.known;
+        all.timed_cases += estimate.timed_cases;
         all.bytes = std::max(all.bytes, estimate.bytes);
-        cases += one->cases.size();
-        if (const std::string reason = does_not_fit(plan, *one, this_machine().memory_bytes); !reason.empty())
-            text += fmt::format("  {}: {}\n", printable(one->label), reason);
+        cases += seeded_job->cases.size();
+        if (const std::string reason = does_not_fit(plan, *seeded_job, this_machine().memory_bytes); !reason.empty())
+            text += fmt::format("  {}: {}\n", printable(seeded_job->label), reason);
     }
     text += fmt::format("  {:<44} {:>4} {}, about {}{}, {} MB\n", label, cases, cases == 1 ? "case" : "cases",
-                        clock_text(all.seconds), all.known == cases ? "" : " (a guess)", all.bytes >> 20);
+                        clock_text(all.seconds), all.timed_cases == cases ? "" : " (a guess)", all.bytes >> 20);
     describe_needs(plan, job, last, text);
     std::set<int> poses;
     for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
@@ -141,7 +141,7 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
 std::string explain(const Plan& plan, const fs::path& results) {
     const Estimates estimates(results);
     const Experiment& e = plan.experiment;
-    std::size_t run = 0, known = 0;
+    std::size_t run = 0, timed = 0;
     for (const Job& job : plan.jobs) run += job.cases.size();
     std::string text = fmt::format(
         "{} ({}, profile {}): {} asked for, {} to run in {}, {}, {} each\n", printable(e.stem), printable(e.title),
@@ -163,7 +163,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     for (const auto& jobs : alike(plan)) {
         const JobEstimate all = describe_jobs(plan, jobs, estimates, last, text);
         total += all.seconds;
-        known += all.known;
+        timed += all.timed_cases;
         most = std::max(most, all.bytes);
     }
     if (e.trace) {
@@ -193,7 +193,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     }
     if (text.size() == head) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
-                        clock_text(total), known, run);
+                        clock_text(total), timed, run);
     text +=
         fmt::format("MEMORY  about {} MB for the largest worker; {} MB are free\n", most >> 20, spare_bytes() >> 20);
     return text;

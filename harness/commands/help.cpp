@@ -51,7 +51,7 @@ std::vector<Argument> arguments_of(const CLI::App& verb) {
         if (option->get_group().empty() || option == verb.get_help_ptr()) continue;
         all.push_back(argument_of(*option));
     }
-    std::stable_partition(all.begin(), all.end(), [](const Argument& one) { return one.positional; });
+    std::stable_partition(all.begin(), all.end(), [](const Argument& argument) { return argument.positional; });
     return all;
 }
 
@@ -74,10 +74,11 @@ std::string notes_of(const CLI::App& verb) {
 std::string usage_of(const CLI::App& verb) {
     const std::vector<Argument> arguments = arguments_of(verb);
     std::string text = "hausbench " + verb.get_name();
-    for (const Argument& one : arguments) {
-        if (one.positional) text += " " + one.usage();
+    for (const Argument& argument : arguments) {
+        if (argument.positional) text += " " + argument.usage();
     }
-    return text + (std::any_of(arguments.begin(), arguments.end(), [](const Argument& one) { return !one.positional; })
+    return text + (std::any_of(arguments.begin(), arguments.end(),
+                               [](const Argument& argument) { return !argument.positional; })
                        ? " [OPTIONS]"
                        : "");
 }
@@ -98,7 +99,8 @@ std::string capital(std::string text) {
 std::string help_of_verb(const CLI::App& verb, std::size_t width) {
     std::string text = wrapped(fmt::format("{}.", capital(verb.get_description())), 0, width);
     text += fmt::format("\nUsage:    {}\n{}\n\n", usage_of(verb), example_of(verb));
-    for (const Argument& one : arguments_of(verb)) text += entry(one.shown(), one.meaning, option_column, width);
+    for (const Argument& argument : arguments_of(verb))
+        text += entry(argument.shown(), argument.meaning, option_column, width);
     if (const std::string notes = notes_of(verb); !notes.empty()) text += "\n" + wrapped(notes, 0, width);
     return text;
 }
@@ -145,10 +147,11 @@ std::string man_page(const CLI::App& program) {
     for (const CLI::App* verb : verbs_of(program)) {
         text += fmt::format(".SS {}\n{}.\n.PP\n.B {}\n", roff(verb->get_name()), roff(capital(verb->get_description())),
                             roff(usage_of(*verb)));
-        for (const Argument& one : arguments_of(*verb))
-            text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(one.name),
-                                one.positional || one.value.empty() ? "" : " \\fI" + roff(one.value) + "\\fR",
-                                roff(one.meaning));
+        for (const Argument& argument : arguments_of(*verb))
+            text += fmt::format(
+                ".TP\n\\fB{}\\fR{}\n{}\n", roff(argument.name),
+                argument.positional || argument.value.empty() ? "" : " \\fI" + roff(argument.value) + "\\fR",
+                roff(argument.meaning));
         if (const std::string notes = notes_of(*verb); !notes.empty()) text += ".PP\n" + roff(notes) + "\n";
         text += ".PP\n" + roff(example_of(*verb)) + "\n";
     }
@@ -196,19 +199,19 @@ std::string bash_completion(const CLI::App& program) {
     for (const CLI::App* verb : verbs_of(program)) {
         const std::string name = verb->get_name();
         verbs += " " + name;
-        std::string known, positional;
-        for (const Argument& one : arguments_of(*verb)) {
-            const std::string words = values_of(one.value);
-            if (one.positional) {
+        std::string option_names, positional;
+        for (const Argument& argument : arguments_of(*verb)) {
+            const std::string words = values_of(argument.value);
+            if (argument.positional) {
                 if (positional.empty()) positional = words;
                 continue;
             }
-            known += " " + one.name;
-            if (one.value.empty()) continue;
-            values += fmt::format("            {}\\ {}) words=\"{}\" ;;\n", name, one.name, words);
+            option_names += " " + argument.name;
+            if (argument.value.empty()) continue;
+            values += fmt::format("            {}\\ {}) words=\"{}\" ;;\n", name, argument.name, words);
         }
         options += fmt::format("        {}) options=\"{} --help\"; words=\"{}\" ;;\n", name,
-                               known.substr(known.empty() ? 0 : 1), positional);
+                               option_names.substr(option_names.empty() ? 0 : 1), positional);
     }
     return fmt::format(
         R"(# Completion of hausbench for bash, written by `hausbench describe bash`. For zsh, first: autoload -U bashcompinit && bashcompinit

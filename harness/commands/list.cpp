@@ -56,15 +56,15 @@ std::string type_name(const ParameterValue& value) {
 json solver_json(const SolverInfo& info) {
     json parameters = json::array(), abilities = json::array(), may_need = json::array();
     for (const ParameterSpec& p : info.parameters) {
-        json one = {{"name", p.name},
-                    {"type", type_name(p.default_value)},
-                    {"unit", p.unit},
-                    {"paper_value", p.paper_value},
-                    {"description", p.description},
-                    {"choices", p.choices},
-                    {"required", p.required()}};
-        std::visit([&](const auto& v) { one["default"] = v; }, p.default_value);
-        parameters.push_back(one);
+        json parameter = {{"name", p.name},
+                          {"type", type_name(p.default_value)},
+                          {"unit", p.unit},
+                          {"paper_value", p.paper_value},
+                          {"description", p.description},
+                          {"choices", p.choices},
+                          {"required", p.required()}};
+        std::visit([&](const auto& v) { parameter["default"] = v; }, p.default_value);
+        parameters.push_back(parameter);
     }
     for (const Ability ability : info.abilities) abilities.push_back(to_string(ability));
     for (const Need& need : info.may_need) may_need.push_back(to_string(need));
@@ -276,10 +276,10 @@ json keys_json() {
 std::string keys_text(const Paper& paper) {
     std::string text;
     const json all = keys_json();
-    for (const json& one : all["tables"]) {
-        const std::string title = text_of(one, "table");
+    for (const json& key_table : all["tables"]) {
+        const std::string title = text_of(key_table, "table");
         TextTable table({{title.empty() ? "key" : title}, {"default", false, 1}, {"meaning", false, 0, true}});
-        for (const json& key : one["keys"])
+        for (const json& key : key_table["keys"])
             table.add({{text_of(key, "name"), text_of(key, "default"), text_of(key, "meaning")}});
         text += (text.empty() ? "" : "\n") + table.text(paper);
     }
@@ -378,22 +378,23 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
     std::string text;  // describes every match, because a solver and a model may have the same name
-    std::vector<std::string> known = {"solvers", "formats", "experiments", "models", "corpus", "keys", "columns"};
+    std::vector<std::string> names = {"solvers", "formats", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
-        for (const json& one : all[kind.group]) {
-            known.push_back(text_of(one, kind.key));
-            const bool other_ending = one.contains("endings") && std::find(one["endings"].begin(), one["endings"].end(),
-                                                                           what) != one["endings"].end();
-            if (known.back() == what || other_ending) text += kind.text(one, paper);
+        for (const json& entry : all[kind.group]) {
+            names.push_back(text_of(entry, kind.key));
+            const bool other_ending =
+                entry.contains("endings") &&
+                std::find(entry["endings"].begin(), entry["endings"].end(), what) != entry["endings"].end();
+            if (names.back() == what || other_ending) text += kind.text(entry, paper);
         }
     }
     for (const json& absent : all["not_built"]) {
-        known.push_back(text_of(absent, "name"));
-        if (known.back() == what) text += fmt::format("{}: not built: {}\n", what, text_of(absent, "reason"));
+        names.push_back(text_of(absent, "name"));
+        if (names.back() == what) text += fmt::format("{}: not built: {}\n", what, text_of(absent, "reason"));
     }
     if (text.empty())
         throw InputError(fmt::format("list {}: no solver, format, experiment or model of that name{}", what,
-                                     nearest_hint(what, known)));
+                                     nearest_hint(what, names)));
     return text;
 }
 

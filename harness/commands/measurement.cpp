@@ -203,11 +203,11 @@ std::optional<double> ratio_of_units(double factor) {
 void warn_of_units(const Points& source, const Points& target, Measured& measured) {
     const double a = measured.source.diagonal, b = measured.target.diagonal;
     const auto factor = common_factor(measured.source.extents, measured.target.extents);
-    if (const auto known = factor ? ratio_of_units(*factor) : std::nullopt) {
+    if (const auto unit_ratio = factor ? ratio_of_units(*factor) : std::nullopt) {
         measured.warnings.push_back(fmt::format(
             "all sides of the box of {} are about {:g} times as long as the sides of {}: are both in the same "
             "unit? If a file states its unit, --unit converts it; else scale one file",
-            *factor > 1 ? "B" : "A", *known, *factor > 1 ? "A" : "B"));
+            *factor > 1 ? "B" : "A", *unit_ratio, *factor > 1 ? "A" : "B"));
         return;
     }
     const bool apart = (source.colwise().maxCoeff().array() < target.colwise().minCoeff().array()).any() ||
@@ -265,11 +265,11 @@ std::pair<LoadedShape, LoadedShape> load_both(const MeasureRequest& request) {
 // Throws InputError if both files state a unit, or which axis points up, and they differ.
 void expect_one_convention(const MeasureRequest& request, const Stated& a, const Stated& b) {
     const std::string source = request.source.string(), target = request.target.string();
-    const bool known = a.micrometres != 0 && b.micrometres != 0;
+    const bool convertible = a.micrometres != 0 && b.micrometres != 0;
     if (units_differ(a, b))
         throw InputError(fmt::format("{} is in {}, and {} in {}: {}compare the numbers as they stand with --unit none",
                                      source, one_line(a.unit), target, one_line(b.unit),
-                                     known ? "convert both with --unit mm, or " : "such a unit is not known: "));
+                                     convertible ? "convert both with --unit mm, or " : "such a unit is not known: "));
     if (a.up != 0 && b.up != 0 && a.up != b.up)
         throw InputError(
             fmt::format("{} has {} pointing up, and {} has {}: turn both with --up Z, or compare the numbers "
@@ -375,9 +375,9 @@ std::vector<Statistic> asked_statistics(const MeasureRequest& request, CountedBy
     for (const Statistic::Over over : {Statistic::Over::target, Statistic::Over::larger, Statistic::Over::mean_of_both,
                                        Statistic::Over::harmonic_mean, Statistic::Over::pooled}) {
         if (over == Statistic::Over::pooled && source != target && request.weigh == WeighBy::area) continue;
-        for (Statistic one : request.statistics) {
-            one.over = over;
-            all.push_back(one);
+        for (Statistic statistic : request.statistics) {
+            statistic.over = over;
+            all.push_back(statistic);
         }
     }
     return all;

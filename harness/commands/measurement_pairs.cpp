@@ -22,10 +22,11 @@ namespace fs = std::filesystem;
 namespace {
 
 std::vector<std::string> matches_of(const std::string& pattern) {
-    glob_t found{};
+    glob_t matches{};
     std::vector<std::string> files;
-    if (::glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
-    ::globfree(&found);
+    if (::glob(pattern.c_str(), 0, nullptr, &matches) == 0)
+        files.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+    ::globfree(&matches);
     if (files.empty()) throw InputError(fmt::format("{}: no file matches", pattern));
     return files;
 }
@@ -74,18 +75,19 @@ std::pair<std::string, std::string> two_of(const std::string& line) {
 }
 
 // Returns the CSV fields for the witness and for the bounds of both directions. Unknown values are empty.
-std::string more_fields(const Measured& m, bool known) {
+std::string more_fields(const Measured& m, bool answered) {
     std::vector<std::string> fields;
     const Witness& witness = m.answer.result.witness;
-    const bool shown =
-        known && m.answer.result.witness.source_point.allFinite() && m.answer.result.witness.target_point.allFinite();
-    fields.emplace_back(known ? to_string(witness.direction) : "");
+    const bool shown = answered && m.answer.result.witness.source_point.allFinite() &&
+                       m.answer.result.witness.target_point.allFinite();
+    fields.emplace_back(answered ? to_string(witness.direction) : "");
     for (const Vec3* point : {&witness.source_point, &witness.target_point})
         for (const double x : *point) fields.push_back(shown ? number_field(x) : "");
-    for (const auto* one : {&m.answer.forward, &m.answer.backward})
-        for (const double bound : {(*one ? **one : Result{}).bounds.lower, (*one ? **one : Result{}).bounds.upper})
-            fields.push_back(*one ? number_field(bound) : "");
-    fields.push_back(known ? number_field(m.answer.result.bounds.gap()) : "");
+    for (const auto* answer : {&m.answer.forward, &m.answer.backward})
+        for (const double bound :
+             {(*answer ? **answer : Result{}).bounds.lower, (*answer ? **answer : Result{}).bounds.upper})
+            fields.push_back(*answer ? number_field(bound) : "");
+    fields.push_back(answered ? number_field(m.answer.result.bounds.gap()) : "");
     fields.push_back(m.tolerance_of == "lower" ? "" : number_field(m.tolerance_absolute));
     fields.emplace_back(m.certified ? "yes" : "no");
     fields.push_back(csv_field(fmt::format("{}", fmt::join(m.notes, "; "))));
@@ -185,45 +187,45 @@ NamedPairs read_pairs(const fs::path& list) {
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
     std::string header = columns_of_pairs;
-    for (const Statistic& one : columns_of_statistics(request)) {
-        std::string name = to_string(one);
+    for (const Statistic& statistic : columns_of_statistics(request)) {
+        std::string name = to_string(statistic);
         std::replace(name.begin(), name.end(), ' ', '_');
         header += fmt::format(",{0}_lower,{0}_upper", name);
     }
     print(header + "\n");
     for (const auto& [a, b] : pairs) {
-        MeasureRequest one = request;
-        one.source = a;
-        one.target = b;
+        MeasureRequest pair_request = request;
+        pair_request.source = a;
+        pair_request.target = b;
         std::string line = fmt::format("{},{},{},", csv_field(a), csv_field(b), to_string(request.quantity()));
         try {
             if (a.empty() || b.empty())
                 throw InputError(
                     "no file of the other pattern has this name: give the pairs that you mean with --pairs");
-            const Measured measured = measure(one);
-            const int its_code = exit_code(measured, one);
+            const Measured measured = measure(pair_request);
+            const int its_code = exit_code(measured, pair_request);
             if (its_code != 0) code = 1;
             const std::string why = no_answer(measured);
-            const bool known = why.empty();
+            const bool answered = why.empty();
             const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
             line += fmt::format(
-                "{},{},{},{},{:.6f},{},{},{},{}{}\n", known ? number_field(measured.answer.result.bounds.lower) : "",
-                known ? number_field(measured.answer.result.bounds.upper) : "",
+                "{},{},{},{},{:.6f},{},{},{},{}{}\n", answered ? number_field(measured.answer.result.bounds.lower) : "",
+                answered ? number_field(measured.answer.result.bounds.upper) : "",
                 measured.failed ? to_string(row_status(measured.failed->why))
                                 : to_string(measured.answer.result.status),
                 above, measured.answer.prepare_seconds + measured.answer.solve_seconds, measured.solver,
                 csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why),
-                more_fields(measured, known),
-                statistics_fields(one, known ? measured.answer.result.statistics : std::vector<Bounds>()));
+                more_fields(measured, answered),
+                statistics_fields(pair_request, answered ? measured.answer.result.statistics : std::vector<Bounds>()));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;
             line += fmt::format(",,error,,,,,{},{}{}\n", csv_field(error.what()), no_more_fields,
-                                statistics_fields(one, {}));
+                                statistics_fields(pair_request, {}));
         } catch (const fs::filesystem_error& error) {
             code = 1;
             line += fmt::format(",,error,,,,,{},{}{}\n", csv_field(error.what()), no_more_fields,
-                                statistics_fields(one, {}));
+                                statistics_fields(pair_request, {}));
         }
         print(line);
         std::fflush(stdout);

@@ -36,10 +36,10 @@ Query query_of(const MeasureRequest& request, const Tolerance& tolerance, const 
     return query;
 }
 
-json json_of(const DrawnFile& one) {
-    return {{"file", one.file.string()},      {"bounds", {number(one.bounds.lower), number(one.bounds.upper)}},
-            {"largest", number(one.largest)}, {"vertices", one.vertices},
-            {"pieces", one.pieces},           {"resolved", one.resolved}};
+json json_of(const DrawnFile& drawn) {
+    return {{"file", drawn.file.string()},      {"bounds", {number(drawn.bounds.lower), number(drawn.bounds.upper)}},
+            {"largest", number(drawn.largest)}, {"vertices", drawn.vertices},
+            {"pieces", drawn.pieces},           {"resolved", drawn.resolved}};
 }
 
 DrawnFile drawn_of(const json& j) {
@@ -75,9 +75,9 @@ public:
         const Drawing drawing{request_.resolution, its.bounds.lower, backward ? w.target_point : w.source_point,
                               backward ? w.target_element : w.source_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
-        const Fields own = own_fields(backward ? *backward_ : *forward_, answer);
+        const Fields solver_fields = own_fields(backward ? *backward_ : *forward_, answer);
         const auto file = backward ? file_of_way_back(request_.fields) : request_.fields;
-        export_fields(file, drawn, own);
+        export_fields(file, drawn, solver_fields);
         return {file,
                 its.bounds,
                 drawn.largest(),
@@ -90,9 +90,10 @@ public:
     json write_certificate(const std::string& tolerance_of) {
         Query query = query_;
         query.wanted.certificate = true;
-        Result result = ask(
-                            query, [this](const Query& one, bool back) { return open(one, back); }, Directions::unknown)
-                            .result;
+        Result result =
+            ask(
+                query, [this](const Query& sub_query, bool back) { return open(sub_query, back); }, Directions::unknown)
+                .result;
         if (result.certificates.empty()) return {{"why", one_line(result.why_no_certificate)}};
         CertificateFile content;
         content.source.file = request_.source.string();
@@ -104,7 +105,7 @@ public:
         take_answer(content, std::move(result), as_loaded(*shapes_.source), as_loaded(*shapes_.target));
         hausbench::write_certificate(request_.certificate, content);
         double proven = 0;
-        for (const Certificate& one : content.certificates) proven = std::max(proven, one.proven);
+        for (const Certificate& certificate : content.certificates) proven = std::max(proven, certificate.proven);
         written_ = std::move(content);
         return {{"proven", number(proven)}};
     }

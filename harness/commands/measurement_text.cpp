@@ -43,7 +43,7 @@ Index part_of(const MeasuredShape& s, Index element) {
     return element < 0 || element >= Index(s.parts.size()) ? -1 : s.parts[std::size_t(element)];
 }
 
-json known(Index number) { return number < 0 ? json() : json(number); }
+json index_json(Index number) { return number < 0 ? json() : json(number); }
 
 json answer_json(const Result& r, const Measured& m) {
     const double diagonal = m.source.diagonal;
@@ -55,10 +55,10 @@ json answer_json(const Result& r, const Measured& m) {
             {"note", r.note},
             {"source_point", point_json(r.witness.source_point)},
             {"target_point", point_json(r.witness.target_point)},
-            {"source_element", known(r.witness.source_element)},
-            {"target_element", known(r.witness.target_element)},
-            {"source_part", known(part_of(m.source, r.witness.source_element))},
-            {"target_part", known(part_of(m.target, r.witness.target_element))},
+            {"source_element", index_json(r.witness.source_element)},
+            {"target_element", index_json(r.witness.target_element)},
+            {"source_part", index_json(part_of(m.source, r.witness.source_element))},
+            {"target_part", index_json(part_of(m.target, r.witness.target_element))},
             {"witness_direction", to_string(r.witness.direction)}};
 }
 
@@ -85,10 +85,10 @@ json shape_json(const MeasuredShape& s) {
 json directions_json(const Measured& m, const MeasureRequest& request) {
     json all = json::array();
     const auto add = [&](const char* name, const Result& r, double seconds) {
-        json one = answer_json(r, m);
-        one["direction"] = name;
-        one["solve_seconds"] = seconds;
-        all.push_back(std::move(one));
+        json answer = answer_json(r, m);
+        answer["direction"] = name;
+        answer["solve_seconds"] = seconds;
+        all.push_back(std::move(answer));
     };
     if (m.failed) return all;
     if (request.quantity() == Quantity::directed) add("source to target", m.answer.result, m.answer.solve_seconds);
@@ -99,22 +99,22 @@ json directions_json(const Measured& m, const MeasureRequest& request) {
 
 json drawn_json(const Measured& m) {
     json all = json::array();
-    for (const DrawnFile& one : m.drawn) {
-        all.push_back({{"file", one.file.string()},
-                       {"largest", number(one.largest)},
-                       {"vertices", one.vertices},
-                       {"pieces", one.pieces},
-                       {"resolved", one.resolved}});
+    for (const DrawnFile& drawn : m.drawn) {
+        all.push_back({{"file", drawn.file.string()},
+                       {"largest", number(drawn.largest)},
+                       {"vertices", drawn.vertices},
+                       {"pieces", drawn.pieces},
+                       {"resolved", drawn.resolved}});
     }
     return all;
 }
 
-std::string drawn_text(const DrawnFile& one, const char* what, double resolution) {
-    std::string text = fmt::format("fields     {}: {} vertices", one.file.string(), one.vertices);
-    if (one.pieces > 0) text += fmt::format(", {} triangles", one.pieces);
-    text += fmt::format("; largest drawn value {:.9g}, {} is in [{}, {}]\n", one.largest, what,
-                        bound_text(one.bounds.lower, true, 10), bound_text(one.bounds.upper, false, 10));
-    if (!one.resolved)
+std::string drawn_text(const DrawnFile& drawn, const char* what, double resolution) {
+    std::string text = fmt::format("fields     {}: {} vertices", drawn.file.string(), drawn.vertices);
+    if (drawn.pieces > 0) text += fmt::format(", {} triangles", drawn.pieces);
+    text += fmt::format("; largest drawn value {:.9g}, {} is in [{}, {}]\n", drawn.largest, what,
+                        bound_text(drawn.bounds.lower, true, 10), bound_text(drawn.bounds.upper, false, 10));
+    if (!drawn.resolved)
         text += fmt::format(
             "           coarser than --resolution {:g} asks: that takes more triangles than are written\n", resolution);
     return text;
@@ -170,14 +170,15 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
     std::string text;
     std::optional<Statistic::Over> block;
     for (std::size_t i = 0; i < std::min(statistics.size(), m.answer.result.statistics.size()); ++i) {
-        Statistic one = statistics[i];
-        if (block != one.over && request.symmetric)
-            text += fmt::format("{:<10} {}\n", block ? "" : "statistics", titles[std::size_t(one.over)]);
-        block = one.over;
-        one.over = Statistic::Over::source;
+        Statistic statistic = statistics[i];
+        if (block != statistic.over && request.symmetric)
+            text += fmt::format("{:<10} {}\n", block ? "" : "statistics", titles[std::size_t(statistic.over)]);
+        block = statistic.over;
+        statistic.over = Statistic::Over::source;
         const Bounds& bounds = m.answer.result.statistics[i];
-        text += fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
-                            to_string(one), bound_text(bounds.lower, true, 10), bound_text(bounds.upper, false, 10));
+        text +=
+            fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
+                        to_string(statistic), bound_text(bounds.lower, true, 10), bound_text(bounds.upper, false, 10));
     }
     const Result& r = m.answer.result;
     const std::string end = r.status == Status::converged
@@ -192,14 +193,14 @@ json statistics_json(const Measured& m, const MeasureRequest& request) {
     json all = json::object();
     const std::vector<Statistic> statistics = asked_statistics(request, m.source.counted_by, m.target.counted_by);
     for (std::size_t i = 0; i < std::min(statistics.size(), m.answer.result.statistics.size()); ++i) {
-        const Statistic& one = statistics[i];
-        json& place = one.over == Statistic::Over::source ? all : all[std::string(to_string(one.over))];
-        const std::string argument = fmt::format("{}", one.argument);
-        Statistic plain = one;
+        const Statistic& statistic = statistics[i];
+        json& place = statistic.over == Statistic::Over::source ? all : all[std::string(to_string(statistic.over))];
+        const std::string argument = fmt::format("{}", statistic.argument);
+        Statistic plain = statistic;
         plain.over = Statistic::Over::source;
-        json& value = one.kind == Statistic::Kind::quantile       ? place["quantiles"][argument]
-                      : one.kind == Statistic::Kind::share_within ? place["share_within"][argument]
-                                                                  : place[to_string(plain)];
+        json& value = statistic.kind == Statistic::Kind::quantile       ? place["quantiles"][argument]
+                      : statistic.kind == Statistic::Kind::share_within ? place["share_within"][argument]
+                                                                        : place[to_string(plain)];
         value = {{"lower", number(m.answer.result.statistics[i].lower)},
                  {"upper", number(m.answer.result.statistics[i].upper)}};
     }
@@ -232,9 +233,9 @@ std::string distance_text(const Measured& m, const MeasureRequest& request) {
                             tie ? ": they are equal up to rounding" : "");
     }
     if (request.symmetric) {
-        for (const auto& [direction, one] :
+        for (const auto& [direction, answer] :
              {std::pair{"h(A,B)", &m.answer.forward}, std::pair{"h(B,A)", &m.answer.backward}}) {
-            if (*one) text += answer_text(direction, **one, m.source.diagonal) + witness_text(**one, m);
+            if (*answer) text += answer_text(direction, **answer, m.source.diagonal) + witness_text(**answer, m);
         }
         text += answer_text(name, m.answer.result, m.source.diagonal);
         if (m.answer.forward && m.answer.backward)

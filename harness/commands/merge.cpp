@@ -54,9 +54,9 @@ bool same_options(const Row& a, const Row& b) {
 std::set<std::pair<int, int>> shards_in(const std::string& text) {
     std::set<std::pair<int, int>> shards;
     std::istringstream in(text);
-    for (std::string one; std::getline(in >> std::ws, one, ',');) {
+    for (std::string part; std::getline(in >> std::ws, part, ',');) {
         try {
-            const Shard shard = parse_shard(one);
+            const Shard shard = parse_shard(part);
             shards.insert({shard.of, shard.number});
         } catch (const InputError&) {  // a damaged file
             return {};
@@ -134,16 +134,16 @@ private:
 
     void add(const Row& row) {
         std::vector<std::size_t>& here = places_[place_of_case(row.spec)];
-        bool found = false;
+        bool matched = false;
         for (std::size_t i : here) {
             Row& mine = merged_.rows[i];
             if (!same_options(mine, row) || !share_profile(mine.spec.profile, row.spec.profile)) continue;
-            found = true;
+            matched = true;
             const std::string profiles = joined_profiles(mine.spec.profile, row.spec.profile);
             if (was_run(row.outcome)) join(mine, row);
             mine.spec.profile = profiles;
         }
-        if (found) return;
+        if (matched) return;
         here.push_back(merged_.rows.size());
         merged_.rows.push_back(row);
     }
@@ -151,10 +151,11 @@ private:
     // Adds the reference answers that `merged_` lacks, except answers for the `unlike` models. merge() checks the rows
     // against all of them afterwards.
     void add_references(const ResultFile& next, const std::set<std::string>& unlike) {
-        std::set<std::string> known;
-        for (const Row& one : merged_.references) known.insert(one.spec.identity);
-        for (const Row& one : next.references)
-            if (!is_of(one.spec, unlike) && known.insert(one.spec.identity).second) merged_.references.push_back(one);
+        std::set<std::string> identities;
+        for (const Row& reference : merged_.references) identities.insert(reference.spec.identity);
+        for (const Row& reference : next.references)
+            if (!is_of(reference.spec, unlike) && identities.insert(reference.spec.identity).second)
+                merged_.references.push_back(reference);
     }
 
     // Joins two rows of one case; `row` was run. Replaces `mine` if it was not run. Otherwise checks that both have the

@@ -99,7 +99,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
     const std::string name = column_named_in(where);
     condition.wanted = where.substr(end);
     condition.profile = name == "profile";
-    const bool found =
+    const bool has_column =
         find_shown(name, condition) ||
         find_column<Case>(
             case_columns(), name, [](const Row& row) -> const Case& { return row.spec; }, condition) ||
@@ -109,7 +109,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
             check_columns(), name, [](const Row& row) -> const Check& { return row.check; }, condition) ||
         find_column<Row>(
             row_columns(), name, [](const Row& row) -> const Row& { return row; }, condition);
-    if (!found) {
+    if (!has_column) {
         std::vector<std::string> names = {"gap", "check", "answer"};
         const auto add = [&]<class Part>(const Columns<Part>& columns) {
             for (const Column<Part>& column : columns) {
@@ -147,23 +147,23 @@ Condition condition_of(const std::string& where, const std::string& option) {
     return condition;
 }
 
-void check_known(const std::vector<std::string>& wanted, const std::set<std::string>& known, const char* what) {
+void check_known(const std::vector<std::string>& wanted, const std::set<std::string>& present, const char* what) {
     for (const std::string& name : wanted) {
-        if (!known.contains(name))
+        if (!present.contains(name))
             throw InputError(fmt::format("--{} {}: the result has no such {}{}", what, name, what,
-                                         nearest_hint(name, {known.begin(), known.end()})));
+                                         nearest_hint(name, {present.begin(), present.end()})));
     }
 }
 
-bool among(const std::vector<std::string>& names, const std::string& one) {
-    return std::find(names.begin(), names.end(), one) != names.end();
+bool among(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace
 
 std::function<bool(const Row&)> row_test(const std::vector<std::string>& where, const std::string& option) {
     std::vector<Condition> conditions;
-    for (const std::string& one : where) conditions.push_back(condition_of(one, option));
+    for (const std::string& text : where) conditions.push_back(condition_of(text, option));
     return [conditions](const Row& row) {
         return std::all_of(conditions.begin(), conditions.end(), [&](const Condition& c) { return c.holds(row); });
     };

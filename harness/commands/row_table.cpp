@@ -125,12 +125,12 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
     if (rows.empty()) return "no row matches\n";
     const auto columns = columns_for(result, rows);
     std::vector<TextTable::Column> titles;
-    for (const Shown& one : columns) titles.push_back(one.column);
+    for (const Shown& entry : columns) titles.push_back(entry.column);
     TextTable table(std::move(titles));
     for (const std::size_t number : rows) {
         const Row& row = result.rows[number];
         TextTable::Row line;
-        for (const Shown& one : columns) line.cells.push_back(one.cell(row));
+        for (const Shown& entry : columns) line.cells.push_back(entry.cell(row));
         if (row.outcome.status != RowStatus::ok) line.below = row.outcome.reason;
         line.colour = colour_of(row.outcome.status);
         table.add(std::move(line));
@@ -162,14 +162,14 @@ std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>
     auto columns = columns_for(result, rows);
     columns.push_back({{"reason"}, [](const Row& r) { return r.outcome.reason; }});
     std::string head = "|", line = "|";
-    for (const Shown& one : columns) {
-        head += fmt::format(" {} |", one.column.title);
-        line += one.column.right ? " ---: |" : " --- |";
+    for (const Shown& entry : columns) {
+        head += fmt::format(" {} |", entry.column.title);
+        line += entry.column.right ? " ---: |" : " --- |";
     }
     std::string out = head + '\n' + line + '\n';
     for (const std::size_t row : rows) {
         out += '|';
-        for (const Shown& one : columns) out += fmt::format(" {} |", escaped(one.cell(result.rows[row])));
+        for (const Shown& entry : columns) out += fmt::format(" {} |", escaped(entry.cell(result.rows[row])));
         out += '\n';
     }
     return out;

@@ -79,9 +79,9 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
     std::optional<Origin> first;
     for (const Row* row : rows) {
         if (time_of(row->outcome).n == 0) continue;
-        const Origin one = origin_of(row->outcome, programs.of(row->outcome.build));
-        if (!first) first = one;
-        if (std::string why = reason_apart(*first, one); !why.empty()) reasons.insert(std::move(why));
+        const Origin origin = origin_of(row->outcome, programs.of(row->outcome.build));
+        if (!first) first = origin;
+        if (std::string why = reason_apart(*first, origin); !why.empty()) reasons.insert(std::move(why));
     }
     return reasons.empty()
                ? ""

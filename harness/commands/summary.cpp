@@ -32,9 +32,9 @@ std::string count_statuses(const std::vector<Row>& rows) {
 std::string describe_references(const ResultFile& result) {
     if (result.references.empty()) return "";
     std::size_t closed = 0, proven = 0, held = 0, narrower = 0;
-    for (const Row& one : result.references) {
-        closed += one.outcome.status == RowStatus::ok;
-        proven += !std::isnan(one.outcome.proven_upper);
+    for (const Row& reference : result.references) {
+        closed += reference.outcome.status == RowStatus::ok;
+        proven += !std::isnan(reference.outcome.proven_upper);
     }
     const Row* widest = nullptr;
     for (const Row& row : result.rows) {
@@ -77,23 +77,23 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
         if (row.spec.certified != 1 || !plugin_of(row.spec.solver) || exact || !(bounds.gap() >= 0) ||
             !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
-        Tried& one = tried[row.spec.solver];
-        ++one.answers;
+        Tried& trial = tried[row.spec.solver];
+        ++trial.answers;
         if (std::isnan(distance)) continue;
-        ++one.held;
-        one.share = std::max(one.share, (distance - bounds.lower) / bounds.gap());
+        ++trial.held;
+        trial.share = std::max(trial.share, (distance - bounds.lower) / bounds.gap());
     }
     std::vector<std::string> lines;
-    for (const auto& [solver, one] : tried) {
-        if (one.share >= 0.5) continue;
-        const std::string answers = counted(one.held ? one.held : one.answers, "answer");
+    for (const auto& [solver, trial] : tried) {
+        if (trial.share >= 0.5) continue;
+        const std::string answers = counted(trial.held ? trial.held : trial.answers, "answer");
         const std::string why =
-            one.held == 0 ? fmt::format("not tried at all: no reference answer is known for its {}", answers)
-            : one.share > 0
+            trial.held == 0 ? fmt::format("not tried at all: no reference answer is known for its {}", answers)
+            : trial.share > 0
                 ? fmt::format(
                       "tried little: in {} the distance lies at most {:.2g} of the way from its "
                       "lower to its upper bound",
-                      answers, one.share)
+                      answers, trial.share)
                 : fmt::format("tried little: in {} the distance lies nowhere above its own lower bound", answers);
         lines.push_back(
             fmt::format("the upper bounds of {} were {}, so upper bounds that are wrong on other scenes would hold "

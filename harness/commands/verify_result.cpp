@@ -34,17 +34,17 @@ namespace {
 constexpr double most_seconds = 600;  // for all models together
 constexpr double most_bytes = 1e9;    // for the shapes of all models that are not in the cache
 
-void expect_measured(const ModelInfo& model, const std::string& measured, const std::string& found) {
-    if (found == measured) return;
+void expect_measured(const ModelInfo& model, const std::string& measured, const std::string& current) {
+    if (current == measured) return;
     if (model.source == "file")
         throw InputError(
             fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} then, {} "
                         "now): put that file back, or run the experiment again",
-                        model.name, (model.folder / model.path).string(), measured, found));
+                        model.name, (model.folder / model.path).string(), measured, current));
     throw InputError(
         fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
                     "made with",
-                    model.name, measured, found));
+                    model.name, measured, current));
 }
 
 // Returns the version of CGAL in a text that a program wrote to `/meta` as its libraries; empty if there is none.

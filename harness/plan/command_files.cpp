@@ -175,7 +175,7 @@ std::string nowhere(const std::string& program) {
 
 CommandFiles files_of_command(const std::string& line, const fs::path& folder) {
     const Line split = Splitter(line).split();
-    CommandFiles found;
+    CommandFiles files;
     std::set<std::string> written;
     for (const Word& word : split.words) {
         if (word.written) written.insert(word.text);
@@ -191,12 +191,12 @@ CommandFiles files_of_command(const std::string& line, const fs::path& folder) {
             hash.add(sha256_of_file(*file));
             any = true;
         } else if (word.first && split.certain && !goes_on(word.text) && !is_builtin(word.text) &&
-                   found.missing.empty()) {
-            found.missing = nowhere(word.text);
+                   files.missing.empty()) {
+            files.missing = nowhere(word.text);
         }
     }
-    if (any) found.sha256 = hash.hex();
-    return found;
+    if (any) files.sha256 = hash.hex();
+    return files;
 }
 
 bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options) {

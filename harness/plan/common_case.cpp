@@ -52,7 +52,7 @@ Case common_case(const Experiment& experiment, const ScenePlan& scene, const Sce
 
 std::vector<std::string> statistics_of(const SolverPlan& solver) {
     std::vector<std::string> all;
-    for (const Statistic& one : solver.statistics) all.push_back(to_string(one));
+    for (const Statistic& statistic : solver.statistics) all.push_back(to_string(statistic));
     return all.empty() ? std::vector<std::string>{""} : all;
 }
 

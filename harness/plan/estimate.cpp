@@ -87,10 +87,10 @@ struct Estimates::Memory {
         if (o.machine != this_machine().id) return;
         const bool killed = o.status == RowStatus::timeout && !std::isfinite(o.solve_seconds);
         if (!killed && !std::isfinite(o.solve_seconds)) return;
-        Known known{killed ? 0 : o.prepare_seconds, killed ? row.spec.limits.case_seconds : o.solve_seconds,
-                    expected_work(row.spec), true};
-        cases[row.spec.identity] = known;
-        if (known.work > 0) times[row.spec.solver].add(known.work, known);
+        Known timing{killed ? 0 : o.prepare_seconds, killed ? row.spec.limits.case_seconds : o.solve_seconds,
+                     expected_work(row.spec), true};
+        cases[row.spec.identity] = timing;
+        if (timing.work > 0) times[row.spec.solver].add(timing.work, timing);
     }
 
     Known of(const Case& spec) const {
@@ -166,14 +166,14 @@ JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
     double prepare = 0, besides = 0, load = 0;
     for (std::size_t row : job.cases) {
         const Case& spec = plan.cases[row];
-        const Known known = memory_->of(spec);
-        prepare = std::max(prepare, known.prepare);
+        const Known timing = memory_->of(spec);
+        prepare = std::max(prepare, timing.prepare);
         load = std::max(load, elements(spec));
         const double bytes = memory_->bytes_of(spec) * elements(spec);
         besides = std::max(besides, bytes > 0 ? bytes : guessed_bytes(spec));
-        out.known += known.answered;
-        const double once = std::min(known.solve, spec.limits.case_seconds);
-        const bool in_time = known.solve < spec.limits.case_seconds;
+        out.timed_cases += timing.answered;
+        const double once = std::min(timing.solve, spec.limits.case_seconds);
+        const bool in_time = timing.solve < spec.limits.case_seconds;
         const double repeats =
             in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * spec.limits.case_seconds + once) : 0;
         out.seconds += e.rounds * (once + repeats) + (e.trace && !plan.marks(row).empty() ? once : 0);

@@ -16,7 +16,7 @@ struct JobEstimate {
     double seconds = 0;  // for all rounds and repeats together
     // Upper estimate of the resident memory of the worker process: the shapes and the solver's own memory.
     std::int64_t bytes = 0;
-    std::size_t known = 0;  // number of cases that an earlier run on this machine has timed
+    std::size_t timed_cases = 0;  // number of cases that an earlier run on this machine has timed
 };
 
 // Estimates the time and memory of jobs from the results of earlier runs.

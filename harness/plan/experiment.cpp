@@ -43,20 +43,21 @@ void merge(toml::table& base, toml::table& over) {
 
 // Returns the names of all profiles: `quick`, `paper` and those that the file defines.
 std::vector<std::string> profiles_of(const toml::table& table) {
-    std::set<std::string> known = {"quick", "paper"};
+    std::set<std::string> names = {"quick", "paper"};
     if (const toml::table* profiles = table["profile"].as_table()) {
-        for (const auto& [name, node] : *profiles) known.insert(std::string(name.str()));
+        for (const auto& [name, node] : *profiles) names.insert(std::string(name.str()));
     }
-    return {known.begin(), known.end()};
+    return {names.begin(), names.end()};
 }
 
 // Returns whether a scene or solver belongs to the profile. It does if its key `profiles` lists the profile or is
 // missing.
-bool wanted(const ExperimentTable& reader, const std::string& profile, const std::vector<std::string>& known) {
+bool wanted(const ExperimentTable& reader, const std::string& profile, const std::vector<std::string>& existing) {
     const auto profiles = reader.texts("profiles");
     for (const std::string& name : profiles) {
-        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-        reader.fail(*reader.find("profiles"), fmt::format("unknown profile '{}'{}", name, nearest_hint(name, known)));
+        if (std::find(existing.begin(), existing.end(), name) != existing.end()) continue;
+        reader.fail(*reader.find("profiles"),
+                    fmt::format("unknown profile '{}'{}", name, nearest_hint(name, existing)));
     }
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
@@ -92,7 +93,7 @@ std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTab
 void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     for (const std::string& name : root.texts("plugins")) {
         const fs::path library = fs::absolute(folder / name).lexically_normal();
-        const auto is_it = [&](const Plugin& one) { return one.file == library; };
+        const auto is_it = [&](const Plugin& plugin) { return plugin.file == library; };
         if (std::any_of(plugins().begin(), plugins().end(), is_it)) continue;
         try {
             load_plugin_in_copy(library);
@@ -150,10 +151,10 @@ void expect_profiles(const fs::path& file, const toml::table& table) {
 }
 
 toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
-    const auto known = profiles_of(table);
-    if (std::find(known.begin(), known.end(), profile) == known.end()) {
+    const auto profiles = profiles_of(table);
+    if (std::find(profiles.begin(), profiles.end(), profile) == profiles.end()) {
         throw InputError(
-            fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, known)));
+            fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, profiles)));
     }
     expect_profiles(file, table);
     if (toml::table* over = table["profile"][profile].as_table()) merge(table, *over);
@@ -174,8 +175,8 @@ std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string
     const auto profiles = profiles_of(root.table());
     for (const ExperimentTable& scene : tables_of(root, scene_keys())) {
         if (!wanted(scene, profile, profiles)) continue;
-        for (const ExperimentTable& one : by_severity(scene)) {
-            std::vector<ModelInfo> of_scene = models_in(one);
+        for (const ExperimentTable& variant : by_severity(scene)) {
+            std::vector<ModelInfo> of_scene = models_in(variant);
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(models));
         }
     }
@@ -318,17 +319,18 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
 Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
     static_cast<void>(read_experiment(file, profile));  // loads the plug-ins; reports mistakes with their lines
     const auto& parameters = find_solver(solver).info.parameters;
-    if (std::any_of(parameters.begin(), parameters.end(), [](const ParameterSpec& one) { return one.required(); }))
+    if (std::any_of(parameters.begin(), parameters.end(),
+                    [](const ParameterSpec& parameter) { return parameter.required(); }))
         throw InputError(fmt::format("--with {}: needs parameters: write a [[solver]] with them in a copy of {}",
                                      solver, file.string()));
     toml::table table = toml::parse(text_of(file), file.string());
-    const auto forget = [](toml::table& one) {
-        for (const char* key : {"solver", "claim", "expected_unsound"}) one.erase(key);
+    const auto forget = [](toml::table& section) {
+        for (const char* key : {"solver", "claim", "expected_unsound"}) section.erase(key);
     };
     forget(table);
     if (toml::table* profiles = table["profile"].as_table()) {
         for (auto&& [name, node] : *profiles)
-            if (toml::table* one = node.as_table()) forget(*one);
+            if (toml::table* section = node.as_table()) forget(*section);
     }
     table.insert_or_assign("solver", toml::array{toml::table{{"name", solver}}});
     if (const auto title = table["title"].value<std::string>())

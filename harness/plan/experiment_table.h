@@ -13,9 +13,9 @@ namespace hausbench {
 
 class ExperimentTable : public TomlReader {
 public:
-    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const KeyTable& known)
-        : TomlReader(file, table, known.title, ":") {
-        allow(known.names());
+    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const KeyTable& keys)
+        : TomlReader(file, table, keys.title, ":") {
+        allow(keys.names());
         refuse_other_keys();
     }
 

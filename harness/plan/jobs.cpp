@@ -162,8 +162,8 @@ namespace {
 // first.
 std::int64_t seed_of(const Plan& plan, const Job& job) {
     const ParameterMap& options = plan.cases[job.cases.front()].options;
-    const auto found = options.find("seed");
-    const std::int64_t* seed = found == options.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
+    const auto entry = options.find("seed");
+    const std::int64_t* seed = entry == options.end() ? nullptr : std::get_if<std::int64_t>(&entry->second);
     return seed ? *seed : std::numeric_limits<std::int64_t>::min();
 }
 

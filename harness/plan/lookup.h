@@ -38,7 +38,7 @@ public:
     explicit NearestByWork(Less less = {}) : known_(less) {}
 
     bool empty() const { return known_.empty(); }
-    void add(double work, Known known) { known_.emplace(work, std::move(known)); }
+    void add(double work, Known value) { known_.emplace(work, std::move(value)); }
 
     // Returns the value whose work differs from `work` by the smallest factor. If several values have that work,
     // returns the one that was added first. Requires at least one value.

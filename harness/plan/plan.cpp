@@ -22,12 +22,12 @@ namespace hausbench {
 
 namespace {
 
-void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
+void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& names,
                   const std::string& what) {
     for (const std::string& name : chosen) {
-        if (std::find(known.begin(), known.end(), name) == known.end()) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) {
             throw InputError(
-                fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, known)));
+                fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, names)));
         }
     }
 }
@@ -96,7 +96,7 @@ public:
             }
         }
         if (plan_.cases.empty()) refuse_empty();
-        plan_.models = finder.found();
+        plan_.models = finder.rows();
         join_matrices(plan_);
         interleave_seeds(plan_);
         check_identities();
@@ -123,87 +123,89 @@ public:
 private:
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given,
              const std::string& statistic) {
-        const SolverOnScene one = look_at(plan_.experiment.scenes[scene_number], models, solver, given, statistic);
+        const SolverOnScene setup = look_at(plan_.experiment.scenes[scene_number], models, solver, given, statistic);
         const std::string label =
-            fmt::format("{} on {}{}", shown(one.common), one.scene.name, suffix_of_statistic(one.common));
+            fmt::format("{} on {}{}", shown(setup.common), setup.scene.name, suffix_of_statistic(setup.common));
         std::size_t run = 0;
-        for (Job& job : add_cases(one)) {
+        for (Job& job : add_cases(setup)) {
             if (job.cases.empty()) continue;
             run += job.cases.size();
             job.scene = scene_number;
             job.label = label;
             const auto &source = std::get<ResolvedModel>(models.source),
                        &target = std::get<ResolvedModel>(models.target);
-            const QuerySet queries = queries_of(one, job);
+            const QuerySet queries = queries_of(setup, job);
             job.pairs.push_back({source.shape_file, target.shape_file, queries, job.cases.size()});
             if (queries.target_copied) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
-        note(label, one, models.poses.size() * one.tolerances.size(), run);
+        note(label, setup, models.poses.size() * setup.tolerances.size(), run);
     }
 
     // Collects the properties that the cases of a solver on a scene share. Sets `decided` if no case can run.
     SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                           const ParameterMap& given, const std::string& statistic) {
-        SolverOnScene one{scene, models, solver, given};
+        SolverOnScene setup{scene, models, solver, given};
         const auto decide = [&](RowStatus status, const std::string& reason) {
-            if (one.decided || reason.empty()) return;
-            one.decided.emplace();
-            one.decided->status = status;
-            one.decided->reason = reason;
+            if (setup.decided || reason.empty()) return;
+            setup.decided.emplace();
+            setup.decided->status = status;
+            setup.decided->reason = reason;
         };
         for (const NotBuilt& absent : solvers_not_built()) {
             if (absent.name == solver.name) decide(RowStatus::not_built, absent.reason);
         }
-        if (!one.decided) one.entry = &find_solver(solver.name);
+        if (!setup.decided) setup.entry = &find_solver(solver.name);
         decide(models.row, models.missing);
-        if (!one.decided)
-            decide(RowStatus::skipped, refusal(one.entry->info, std::get<ResolvedModel>(models.source).kind,
+        if (!setup.decided)
+            decide(RowStatus::skipped, refusal(setup.entry->info, std::get<ResolvedModel>(models.source).kind,
                                                std::get<ResolvedModel>(models.target).kind, solver.quantity));
         // A missing program is treated like a missing model: the rows say why they were skipped, and other solvers run.
-        const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
+        const CommandFiles files = setup.entry ? files_of(*setup.entry, given) : CommandFiles{};
         decide(RowStatus::skipped, files.missing);
-        one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
-        std::sort(one.tolerances.begin(), one.tolerances.end());
-        one.common = common_case(plan_.experiment, scene, models, solver, one.entry, given);
-        one.common.program_sha256 = files.sha256;
-        one.common.statistic = statistic;
-        return one;
+        setup.tolerances = setup.scene.tolerances.empty() ? solver.tolerances : setup.scene.tolerances;
+        std::sort(setup.tolerances.begin(), setup.tolerances.end());
+        setup.common = common_case(plan_.experiment, scene, models, solver, setup.entry, given);
+        setup.common.program_sha256 = files.sha256;
+        setup.common.statistic = statistic;
+        return setup;
     }
 
     // Adds a case for each pose and tolerance. Returns the jobs that run these cases: one job, or one for each
     // tolerance if the cases form chains (see Job). The caller fills in Job::pairs. A pair that cannot run gets rows
     // but is left out of the chain of its search, so that no answer depends on it.
-    std::vector<Job> add_cases(const SolverOnScene& one) {
-        const ScenePlan& scene = one.scene;
-        const std::vector<double>& tolerances = one.tolerances;
+    std::vector<Job> add_cases(const SolverOnScene& setup) {
+        const ScenePlan& scene = setup.scene;
+        const std::vector<double>& tolerances = setup.tolerances;
         // Does not read answers off the trace if only the finest tolerance builds structures over a copy of a moved
         // target, because the trace then shows longer times than a coarser tolerance would take.
-        const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver, one.given) &&
-                                 (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
-        const bool chained = one.solver.warm || (scene.search && !one.decided);
+        const bool reads_trace =
+            setup.entry && !scene.search && reads_finer(*setup.entry, setup.solver, setup.given) &&
+            (!copies_targets(setup, tolerances.front()) || copies_targets(setup, tolerances.back()));
+        const bool chained = setup.solver.warm || (scene.search && !setup.decided);
         std::vector<Job> jobs(chained ? tolerances.size() : 1);
         std::vector<std::string> alone;
-        auto& before = scene.search ? searches_[{scene.matrix, scene.source, one.common.statistic, &one.given}] : alone;
+        auto& before =
+            scene.search ? searches_[{scene.matrix, scene.source, setup.common.statistic, &setup.given}] : alone;
         before.resize(tolerances.size());
-        for (std::size_t p = 0; p < one.models.poses.size(); ++p) {
+        for (std::size_t p = 0; p < setup.models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
-                Case spec = one.common;
+                Case spec = setup.common;
                 spec.pose_index = int(p);
                 if (!scene.frames.empty()) spec.frame = scene.frames[p];
-                spec.pose = one.models.poses[p].source;
-                spec.target_pose = one.models.poses[p].target;
+                spec.pose = setup.models.poses[p].source;
+                spec.target_pose = setup.models.poses[p].target;
                 spec.tolerance = tolerances[t];
                 if (chained) spec.chain = before[t];
                 spec.identity = identify(spec);
                 if (chained) before[t] = spec.identity;
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(spec));
-                if (one.decided) {
-                    plan_.decided[row] = *one.decided;
+                if (setup.decided) {
+                    plan_.decided[row] = *setup.decided;
                 } else if (t > 0 && reads_trace) {
-                    plan_.read_off(row, {finest, ignores_tolerance(one.entry->info, one.given)});
+                    plan_.read_off(row, {finest, ignores_tolerance(setup.entry->info, setup.given)});
                 } else {
                     if (t == 0) finest = row;
                     jobs[chained ? t : 0].cases.push_back(row);
@@ -213,28 +215,28 @@ private:
         return jobs;
     }
 
-    QuerySet queries_of(const SolverOnScene& one, const Job& job) const {
+    QuerySet queries_of(const SolverOnScene& setup, const Job& job) const {
         const Case& first = plan_.cases[job.cases.front()];
         const Tolerance tolerance = first.resolved_tolerance();
         QuerySet queries;
-        queries.moves = moves(one.scene.motion);
-        queries.target_moves = moves(one.scene.target_motion);
-        queries.symmetric = one.solver.quantity == Quantity::symmetric;
+        queries.moves = moves(setup.scene.motion);
+        queries.target_moves = moves(setup.scene.target_motion);
+        queries.symmetric = setup.solver.quantity == Quantity::symmetric;
         queries.both_ways = !first.statistic.empty() && needs_target(statistic_of(first.statistic));
         queries.threads = first.threads;
         queries.count = job.cases.size();
         queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
-        queries.target_copied = copies_targets(one, first.tolerance);
+        queries.target_copied = copies_targets(setup, first.tolerance);
         return queries;
     }
 
     // Returns whether the solver runs and builds structures over a moved copy of the target at some pose.
-    static bool copies_targets(const SolverOnScene& one, double tolerance) {
-        if (one.decided) return false;
-        const SceneModels& models = one.models;
+    static bool copies_targets(const SolverOnScene& setup, double tolerance) {
+        if (setup.decided) return false;
+        const SceneModels& models = setup.models;
         const ShapeKind source = std::get<ResolvedModel>(models.source).kind,
                         target = std::get<ResolvedModel>(models.target).kind;
-        Case spec = one.common;
+        Case spec = setup.common;
         spec.tolerance = tolerance;
         Query query;
         query.quantity = spec.quantity;
@@ -244,7 +246,7 @@ private:
         return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
             query.source_pose = pose.source;
             query.target_pose = pose.target;
-            return hausbench::copies_targets(one.entry->info, query, {source, models.source_largest},
+            return hausbench::copies_targets(setup.entry->info, query, {source, models.source_largest},
                                              {target, models.target_largest});
         });
     }
@@ -256,12 +258,12 @@ private:
             if (!spec.command) continue;
             const auto value = given.find(spec.name);
             const std::string line = std::get<std::string>(value == given.end() ? spec.default_value : value->second);
-            const auto known = commands_.find(line);
-            const CommandFiles one =
-                known != commands_.end() ? known->second : files_of_command(line, plan_.experiment.folder());
-            commands_[line] = one;
-            all.sha256 = all.sha256.empty() ? one.sha256 : Sha256().add(all.sha256).add(one.sha256).hex();
-            if (all.missing.empty()) all.missing = one.missing;
+            const auto at = commands_.find(line);
+            const CommandFiles files =
+                at != commands_.end() ? at->second : files_of_command(line, plan_.experiment.folder());
+            commands_[line] = files;
+            all.sha256 = all.sha256.empty() ? files.sha256 : Sha256().add(all.sha256).add(files.sha256).hex();
+            if (all.missing.empty()) all.missing = files.missing;
         }
         return all;
     }
@@ -276,14 +278,14 @@ private:
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
 
-    void note(const std::string& label, const SolverOnScene& one, std::size_t requested, std::size_t run) {
+    void note(const std::string& label, const SolverOnScene& setup, std::size_t requested, std::size_t run) {
         auto& ledger = plan_.ledger;
-        if (one.decided) {
-            ledger.push_back({one.decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
-                              one.decided->reason, std::int64_t(requested)});
+        if (setup.decided) {
+            ledger.push_back({setup.decided->status == RowStatus::not_built ? "not_built" : "not_run", label,
+                              "all cases", setup.decided->reason, std::int64_t(requested)});
         } else if (requested > run) {
             ledger.push_back({"not_run", label, coarser_tolerances,
-                              ignores_tolerance(one.entry->info, one.given)
+                              ignores_tolerance(setup.entry->info, setup.given)
                                   ? "the solver ignores the tolerance: its answer is the same for each"
                                   : "the trace of the finest tolerance holds their answers",
                               std::int64_t(requested - run)});

@@ -57,8 +57,8 @@ void load_plugin_in_copy(const std::filesystem::path& file) {
 bool promises(const SolverEntry& entry, const ParameterMap& given) {
     if (!entry.info.certified) return false;
     if (!plugin_of(entry.info.name)) return promises_here(entry, given);
-    static std::map<std::pair<std::string, ParameterMap>, std::string> known;
-    auto [at, fresh] = known.try_emplace({entry.info.name, given});
+    static std::map<std::pair<std::string, ParameterMap>, std::string> answers;
+    auto [at, fresh] = answers.try_emplace({entry.info.name, given});
     if (fresh) at->second = answer_of_child(entry, given);
     if (at->second.front() == refused) throw InputError(at->second.substr(1));
     return at->second.front() == yes;

@@ -52,17 +52,17 @@ std::optional<Experiment> references_of(const Plan& plan) {
     std::set<std::string> searches;
     for (const ScenePlan& scene : references.scenes)
         if (scene.search) searches.insert(scene.name);
-    for (const Case& one : plan.cases) {
-        const auto source = kinds.find(one.source), target = kinds.find(one.target);
+    for (const Case& spec : plan.cases) {
+        const auto source = kinds.find(spec.source), target = kinds.find(spec.target);
         if (source == kinds.end() || target == kinds.end()) continue;  // a model is missing
-        if (one.quantity == Quantity::penetration || one.quantity == Quantity::distribution ||
-            searches.contains(one.scene))
+        if (spec.quantity == Quantity::penetration || spec.quantity == Quantity::distribution ||
+            searches.contains(spec.scene))
             continue;
         const std::string solver = solver_for(source->second, target->second);
         if (solver.empty()) continue;
-        scenes[{solver, one.quantity}].insert(one.scene);
-        const auto [at, fresh] = finest.emplace(one.scene, one.tolerance);
-        at->second = std::min(at->second, one.tolerance);
+        scenes[{solver, spec.quantity}].insert(spec.scene);
+        const auto [at, fresh] = finest.emplace(spec.scene, spec.tolerance);
+        at->second = std::min(at->second, spec.tolerance);
     }
     if (scenes.empty()) return std::nullopt;
     for (auto& [key, names] : scenes)

@@ -29,11 +29,11 @@ void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
 }  // namespace
 
 std::variant<ResolvedModel, MissingModel> ModelFinder::find(const std::string& name) {
-    if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
+    if (const auto position = resolved_.find(name); position != resolved_.end()) return position->second;
     // A model that cannot be made is tried again in its next scene, but announced only once.
     if (begun_.insert(name).second) say_(name, begun_.size() - 1, expected_.size());
     auto result = catalogue_.resolve(name);
-    if (const auto* good = std::get_if<ResolvedModel>(&result)) found_.push_back({&catalogue_.find(name), *good});
+    if (const auto* good = std::get_if<ResolvedModel>(&result)) rows_.push_back({&catalogue_.find(name), *good});
     return resolved_[name] = std::move(result);
 }
 

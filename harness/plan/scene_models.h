@@ -46,7 +46,7 @@ public:
 
     SceneModels find(const ScenePlan& scene);
 
-    const std::vector<ModelRow>& found() const { return found_; }
+    const std::vector<ModelRow>& rows() const { return rows_; }
 
 private:
     std::variant<ResolvedModel, MissingModel> find(const std::string& name);
@@ -55,7 +55,7 @@ private:
     const SayModel& say_;
     std::set<std::string> expected_, begun_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
-    std::vector<ModelRow> found_;
+    std::vector<ModelRow> rows_;
 };
 
 // Finds the models of scenes among the models that a result recorded. Makes no models: a model that was not recorded

@@ -154,13 +154,13 @@ std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan
         table.fail(node, "'each' names a model twice");
     std::vector<ScenePlan> scenes;
     for (std::size_t i = 0; i < names.size(); ++i) {
-        ScenePlan one = scene;
-        one.each = scene.name;
+        ScenePlan model_scene = scene;
+        model_scene.each = scene.name;
         for (std::string ScenePlan::*text :
              {&ScenePlan::name, &ScenePlan::source, &ScenePlan::target, &ScenePlan::note})
-            one.*text = with(scene.*text, names[i]);
-        one.source_line = one.target_line = line_of(listed ? *node.as_array()->get(i) : node);
-        scenes.push_back(std::move(one));
+            model_scene.*text = with(scene.*text, names[i]);
+        model_scene.source_line = model_scene.target_line = line_of(listed ? *node.as_array()->get(i) : node);
+        scenes.push_back(std::move(model_scene));
     }
     return scenes;
 }
@@ -207,23 +207,23 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
     const std::vector<bool> chosen = frames_asked(table, recording.frames);
     std::vector<ScenePlan> scenes;
     for (const Recording::Pair& pair : recording.pairs) {
-        ScenePlan one = scene;
-        one.each = scene.name;
-        one.name = fmt::format("{}: {} and {}", scene.name, pair.source, pair.target);
-        one.source = pair.source;
-        one.target = pair.target;
-        one.source_line = one.target_line = line_of(node);
+        ScenePlan pair_scene = scene;
+        pair_scene.each = scene.name;
+        pair_scene.name = fmt::format("{}: {} and {}", scene.name, pair.source, pair.target);
+        pair_scene.source = pair.source;
+        pair_scene.target = pair.target;
+        pair_scene.source_line = pair_scene.target_line = line_of(node);
         Recorded source, target;
         for (std::size_t i = 0; i < pair.frames.size(); ++i) {
             if (!chosen[std::size_t(pair.frames[i])]) continue;
-            one.frames.push_back(pair.frames[i]);
+            pair_scene.frames.push_back(pair.frames[i]);
             source.poses.push_back(pair.source_poses[i]);
             target.poses.push_back(pair.target_poses[i]);
         }
-        if (one.frames.empty()) continue;
-        one.motion = std::move(source);
-        one.target_motion = std::move(target);
-        scenes.push_back(std::move(one));
+        if (pair_scene.frames.empty()) continue;
+        pair_scene.motion = std::move(source);
+        pair_scene.target_motion = std::move(target);
+        scenes.push_back(std::move(pair_scene));
     }
     if (scenes.empty())
         table.fail(node, "'recording': no objects overlap in the frames that are asked for: choose others");

@@ -39,9 +39,9 @@ std::vector<ParameterMap> read_options(const ExperimentTable& table, const Solve
         }
         std::vector<ParameterMap> next;
         for (const ParameterMap& combination : combinations) {
-            for (const ParameterValue& one : values) {
+            for (const ParameterValue& choice : values) {
                 next.push_back(combination);
-                next.back()[std::string(key.str())] = one;
+                next.back()[std::string(key.str())] = choice;
             }
         }
         combinations = std::move(next);

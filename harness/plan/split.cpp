@@ -92,9 +92,9 @@ Shards read_split(const fs::path& file) {
         const json told = json::parse(in);
         if (told.at("hausbench_split") != split_schema) throw std::runtime_error("it is of another version");
         Shards split{told.at("of").get<int>(), told.at("shards").get<std::map<std::string, int>>()};
-        const bool good = split.of >= 1 && std::all_of(split.shards.begin(), split.shards.end(), [&](const auto& one) {
-                              return one.second >= 1 && one.second <= split.of;
-                          });
+        const bool good = split.of >= 1 &&
+                          std::all_of(split.shards.begin(), split.shards.end(),
+                                      [&](const auto& entry) { return entry.second >= 1 && entry.second <= split.of; });
         if (!good) throw std::runtime_error("a shard has a number that there is not");
         return split;
     } catch (const std::exception& error) {

@@ -53,9 +53,9 @@ std::string shown(const Case& spec) {
     return spec.variant.empty() ? spec.label : fmt::format("{}({})", spec.label, spec.variant);
 }
 
-std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept) {
+std::string variant_of(const ParameterMap& options, const std::vector<ParameterMap>& swept) {
     std::string text;
-    for (const auto& parameter : one) {
+    for (const auto& parameter : options) {
         const bool same = std::all_of(swept.begin(), swept.end(), [&](const ParameterMap& other) {
             const auto at = other.find(parameter.first);
             return at != other.end() && at->second == parameter.second;

@@ -70,8 +70,8 @@ std::string identify(const Case& spec);
 // Returns the solver's name for display: "guthe", or "guthe(samples=8)" if the experiment sweeps a parameter.
 std::string shown(const Case& spec);
 
-// Returns the parameters of `one` that are not the same in all of `swept`, as text: "samples=8, seed=1".
-std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
+// Returns the parameters of `options` that are not the same in all of `swept`, as text: "samples=8, seed=1".
+std::string variant_of(const ParameterMap& options, const std::vector<ParameterMap>& swept);
 
 // Returns the suffix that shows the quantity in a scene's name: ", H", ", depth" or ", mean"; empty for h(A,B).
 std::string suffix_of(const Case& spec);

@@ -43,11 +43,11 @@ template <class T> T parsed_json_text(const std::string& text) {
 
 // Parses JSON text. Caches the last value, because files repeat the same text in row after row.
 template <class T> const T& from_json_text(const std::string& text) {
-    thread_local std::string known = "{}";
+    thread_local std::string cached_text = "{}";
     thread_local T value;
-    if (text == known) return value;
+    if (text == cached_text) return value;
     value = parsed_json_text<T>(text);
-    known = text;
+    cached_text = text;
     return value;
 }
 

@@ -25,10 +25,10 @@ Ranks computed_ranks(std::size_t n) {
 }
 
 Ranks ranks_of(std::size_t n) {  // the last ones are kept, because a result has the same n in row after row
-    thread_local std::size_t known = 0;
+    thread_local std::size_t cached_n = 0;
     thread_local Ranks ranks{};
-    if (n != known) ranks = computed_ranks(n);
-    known = n;
+    if (n != cached_n) ranks = computed_ranks(n);
+    cached_n = n;
     return ranks;
 }
 

@@ -24,8 +24,8 @@ namespace {
 template <class Row> json rows_json(const Columns<Row>& columns, const std::vector<Row>& rows) {
     json out = json::object();
     for (const Row& row : rows) {
-        const json one = row_json(columns, row);  // a variable, because items() refers to it
-        for (const auto& [name, value] : one.items()) out[name].push_back(value);
+        const json cells = row_json(columns, row);  // a variable, because items() refers to it
+        for (const auto& [name, value] : cells.items()) out[name].push_back(value);
     }
     return out;
 }
@@ -35,9 +35,9 @@ template <class Row> std::vector<Row> rows_of(const Columns<Row>& columns, const
     for (const auto& [name, values] : arrays.items()) count = values.size();
     std::vector<Row> rows(count);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        json one = json::object();
-        for (const auto& [name, values] : arrays.items()) one[name] = values.at(i);
-        read_row(columns, one, rows[i]);
+        json cells = json::object();
+        for (const auto& [name, values] : arrays.items()) cells[name] = values.at(i);
+        read_row(columns, cells, rows[i]);
     }
     return rows;
 }

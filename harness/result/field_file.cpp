@@ -34,8 +34,8 @@ template <class T> void append(std::string& bytes, T value) {
 }
 
 template <class E> E named(const json& name, std::initializer_list<E> all) {
-    for (E one : all) {
-        if (name == to_string(one)) return one;
+    for (E value : all) {
+        if (name == to_string(value)) return value;
     }
     throw std::runtime_error("a field of no known kind");
 }
@@ -46,13 +46,13 @@ Fields parse(const std::string& bytes) {
     if (head.at("hausbench_fields") != format_version) throw std::runtime_error("fields of another version");
     Fields fields;
     std::size_t at = end + 1;
-    for (const json& one : head.at("fields")) {
+    for (const json& entry : head.at("fields")) {
         Field field;
-        field.name = one.at("name");
-        field.of = named(one.at("of"), {Field::Of::vertices, Field::Of::elements, Field::Of::pieces});
+        field.name = entry.at("name");
+        field.of = named(entry.at("of"), {Field::Of::vertices, Field::Of::elements, Field::Of::pieces});
         field.meaning =
-            named(one.at("meaning"), {Field::Meaning::lower, Field::Meaning::upper, Field::Meaning::number});
-        const std::size_t count = one.at("count");
+            named(entry.at("meaning"), {Field::Meaning::lower, Field::Meaning::upper, Field::Meaning::number});
+        const std::size_t count = entry.at("count");
         if (count > (bytes.size() - at) / sizeof(double)) throw std::runtime_error("fewer values than it says");
         field.values.resize(count);
         std::memcpy(field.values.data(), bytes.data() + at, count * sizeof(double));
@@ -83,14 +83,14 @@ struct Drawn {
 };
 
 Drawn with_properties(const DrawnField& drawn, const Fields& given) {
-    Fields own;
-    add_own(own, given);
+    Fields solver_fields;
+    add_own(solver_fields, given);
     const bool points = drawn.pieces.rows() == 0;
     Drawn all{drawn.vertices, drawn.pieces, {}, {}};
     all.of_vertices.push_back({"distance", "double", drawn.distances});
     all.of_vertices.push_back({"nearest", "int", {drawn.nearest.begin(), drawn.nearest.end()}});
     if (!points) all.of_cells.push_back({"element", "int", {drawn.elements.begin(), drawn.elements.end()}});
-    for (const Field& field : own) {
+    for (const Field& field : solver_fields) {
         if (field.of == Field::Of::pieces) continue;  // solvers do not know the pieces
         Property property{word(field.name), "double", field.values};
         if (field.of == Field::Of::vertices) {
@@ -251,9 +251,9 @@ fs::path file_of_way_back(const fs::path& file) {
     return fs::path(file).replace_extension(".back" + file.extension().string());
 }
 
-void export_fields(const fs::path& file, const DrawnField& drawn, const Fields& own) {
+void export_fields(const fs::path& file, const DrawnField& drawn, const Fields& solver_fields) {
     const auto write = extension_of(file) == ".vtk" ? as_vtk : as_ply;
-    write_whole_file(file, write(with_properties(drawn, own)));
+    write_whole_file(file, write(with_properties(drawn, solver_fields)));
 }
 
 }  // namespace hausbench

@@ -27,8 +27,8 @@ void check_export_place(const std::filesystem::path& file);
 std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 
 // Writes a drawn shape (fields.h) as PLY or VTK, by the extension, with the `distance` (double) and `nearest` (int) of
-// each vertex. `own` holds the solver's own fields, which know no cuts: a piece gets the value of its triangle, and a
-// vertex added by a cut gets NaN. The files are binary, so values keep their bits.
+// each vertex. `solver_fields` holds the solver's own fields, which know no cuts: a piece gets the value of its
+// triangle, and a vertex added by a cut gets NaN. The files are binary, so values keep their bits.
 //
 // PLY: only vertices have properties, because meshio misreads files with properties of faces. MeshLab colours by the
 // property `quality`, CloudCompare by `scalar_distance`, both copies of the distance as float; other viewers by `red`,
@@ -37,6 +37,6 @@ std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 //
 // VTK (legacy format 3.0) is for ParaView, whose PLY reader drops unknown properties. All fields become scalars of
 // points or of cells; `element` is the triangle of A that a piece belongs to.
-void export_fields(const std::filesystem::path& file, const DrawnField& drawn, const Fields& own);
+void export_fields(const std::filesystem::path& file, const DrawnField& drawn, const Fields& solver_fields);
 
 }  // namespace hausbench

@@ -93,11 +93,11 @@ std::vector<Row> read_cases(const h5::File& file) {
             throw std::runtime_error(
                 fmt::format("cases/{} has {} values instead of {}", child, counts.size(), rows.size()));
         const std::string name = child.substr(prefix.size());
-        const auto known = std::find_if(counter_fields.begin(), counter_fields.end(),
-                                        [&](const CounterField& field) { return field.name == name; });
+        const auto position = std::find_if(counter_fields.begin(), counter_fields.end(),
+                                           [&](const CounterField& field) { return field.name == name; });
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            if (known != counter_fields.end())
-                rows[i].outcome.counters.*known->member = counts[i];
+            if (position != counter_fields.end())
+                rows[i].outcome.counters.*position->member = counts[i];
             else
                 rows[i].outcome.other_counters[name] = counts[i];
         }
@@ -144,14 +144,14 @@ void read_fields(const h5::File& file, std::vector<Row>& rows) {
     read_columns(file, "fields", field_columns(), all, std::identity{});
     std::int64_t used = 0;  // fields must not share values, as in read_traces()
     for (std::size_t i = 0; i < of.size(); ++i) {
-        const FieldRecord& one = all[i];
+        const FieldRecord& record = all[i];
         if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
             throw std::runtime_error("a row of fields belongs to no case");
-        if (one.begin < used || one.end < one.begin || std::size_t(one.end) > values.size())
+        if (record.begin < used || record.end < record.begin || std::size_t(record.end) > values.size())
             throw std::runtime_error("two fields share values, or one reaches past them");
-        used = one.end;
+        used = record.end;
         rows[std::size_t(of[i])].fields.push_back(
-            {one.name, one.of, one.meaning, {values.begin() + one.begin, values.begin() + one.end}});
+            {record.name, record.of, record.meaning, {values.begin() + record.begin, values.begin() + record.end}});
     }
 }
 

@@ -23,11 +23,11 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
         const std::string name = group + "/" + std::string(column.name);
         if (const auto* text = std::get_if<typename Column<Row>::Text>(&column.value)) {
             std::vector<std::string> values;
-            for (const Whole& one : whole) values.push_back(text->get(part(one)));
+            for (const Whole& entry : whole) values.push_back(text->get(part(entry)));
             file.write(name, values);
         } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
             std::vector<std::int64_t> values;
-            for (const Whole& one : whole) values.push_back(integer->get(part(one)));
+            for (const Whole& entry : whole) values.push_back(integer->get(part(entry)));
             file.write(name, values);
         } else {
             const auto& real = std::get<typename Column<Row>::Real>(column.value);

@@ -84,9 +84,9 @@ private:
         const auto place_of = [](const Case& c) { return Place(c.scene, c.quantity, c.pose_index); };
         std::set<Place> wanted;
         for (const Row& row : result_.rows) wanted.insert(place_of(row.spec));
-        for (const Row& one : result_.references) wanted.erase(place_of(one.spec));
-        for (Row& one : before_.references)
-            if (wanted.contains(place_of(one.spec))) result_.references.push_back(std::move(one));
+        for (const Row& reference : result_.references) wanted.erase(place_of(reference.spec));
+        for (Row& reference : before_.references)
+            if (wanted.contains(place_of(reference.spec))) result_.references.push_back(std::move(reference));
     }
 
     // Returns whether an interrupted run ended before it reached this row.
@@ -107,12 +107,12 @@ private:
                 try {
                     const Experiment experiment =
                         profile == now_ ? plan_.experiment : in_profile(plan_.experiment, profile);
-                    AskedCases found = cases_as_recorded(experiment, recorded_, shapes_of_(experiment));
-                    for (Case& c : found.cases) {
+                    AskedCases planned = cases_as_recorded(experiment, recorded_, shapes_of_(experiment));
+                    for (Case& c : planned.cases) {
                         CaseKey k = key_of(c);
                         requested.cases.emplace(std::move(k), std::move(c));
                     }
-                    requested.unknown = std::move(found.unknown);
+                    requested.unknown = std::move(planned.unknown);
                 } catch (const InputError&) {
                 }
             }
@@ -149,9 +149,9 @@ private:
         const Case* today = nullptr;
         std::erase_if(profiles, [&](const std::string& profile) {
             const Asked& requested = asked_.at(profile);
-            const auto found = requested.cases.find(key_of(c));
-            if (found != requested.cases.end()) today = &found->second;
-            return found == requested.cases.end() && !requested.unknown.contains(c.scene);
+            const auto match = requested.cases.find(key_of(c));
+            if (match != requested.cases.end()) today = &match->second;
+            return match == requested.cases.end() && !requested.unknown.contains(c.scene);
         });
         if (profiles.empty()) {
             ++gone_;

@@ -40,8 +40,8 @@ public:
 
     // Returns the number. Returns nothing if no line matches, or if the last match is not a number.
     std::optional<double> find(const std::string& output) const {
-        std::optional<double> found;
-        if (!told()) return found;
+        std::optional<double> last;
+        if (!told()) return last;
         constexpr std::size_t longest = 4096;  // std::regex recurses for each character and may exhaust the stack
         for (std::size_t begin = 0; begin < output.size();) {
             const std::size_t end = std::min(output.find('\n', begin), output.size());
@@ -51,12 +51,12 @@ public:
                 const std::string number = match[1].str();
                 char* rest = nullptr;
                 const double value = std::strtod(number.c_str(), &rest);
-                found.reset();
-                if (rest != number.c_str() && *rest == '\0' && !std::isnan(value)) found = value;
+                last.reset();
+                if (rest != number.c_str() && *rest == '\0' && !std::isnan(value)) last = value;
             }
             begin = end + 1;
         }
-        return found;
+        return last;
     }
 
 private:
@@ -137,8 +137,8 @@ public:
 
     Result solve(const Query& query, State*, Trace&) const override {
         Result result;
-        for (const Statistic& one : query.statistics)
-            result.statistics.push_back(is_share(one) ? Bounds{0, 1} : Bounds{});
+        for (const Statistic& statistic : query.statistics)
+            result.statistics.push_back(is_share(statistic) ? Bounds{0, 1} : Bounds{});
         if (query.statistics.size() > 1) {
             result.note = "the expressions find one statistic, but the query asks for several";
             return result;

@@ -38,7 +38,7 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
       fields_(folder / (name + ".fields")) {
     if (start_over) {
         std::set<std::string> requested;
-        for (const Case& one : plan.cases) requested.insert(one.identity);
+        for (const Case& spec : plan.cases) requested.insert(spec.identity);
         journal_.forget(requested);
         for (std::size_t row = 0; row < plan.cases.size(); ++row) {
             if (const auto file = fields_file(row); !file.empty()) std::filesystem::remove(file);
@@ -61,11 +61,11 @@ std::size_t Finished::forget_those(const std::function<bool(const Row&)>& chosen
 }
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
-    const Outcome* known = kept(row, round);
+    const Outcome* earlier = kept(row, round);
     // The first case of a search may also belong to another scene, in which other rows are read off its trace. So an
     // outcome without a trace must not replace one that has a trace.
     const bool has_less =
-        known && known->cutoff_used == outcome.cutoff_used && !known->trace.empty() && outcome.trace.empty();
+        earlier && earlier->cutoff_used == outcome.cutoff_used && !earlier->trace.empty() && outcome.trace.empty();
     if (!has_less) journal_.append({plan_.cases[row].identity, round}, outcome);
 }
 
@@ -107,8 +107,8 @@ void Finished::take_over(const std::filesystem::path& folder, const std::string&
         const auto at = rows.find(key.first);
         if (at == rows.end()) continue;
         if (kept(at->second, key.second) || !will_do(at->second, outcome)) continue;
-        const auto known = journal_.outcomes().find(key);
-        if (known == journal_.outcomes().end() || to_json(known->second) != to_json(outcome))
+        const auto entry = journal_.outcomes().find(key);
+        if (entry == journal_.outcomes().end() || to_json(entry->second) != to_json(outcome))
             journal_.append(key, outcome);
         const auto mine = fields_file(at->second);
         const auto theirs = folder / (name + ".fields") / mine.filename();

@@ -204,15 +204,15 @@ void Journal::write_line(const std::string& text) {
 }
 
 void Journal::erase(const std::set<std::string>& identities) {
-    std::erase_if(outcomes_, [&](const auto& known) { return identities.contains(known.first.first); });
+    std::erase_if(outcomes_, [&](const auto& entry) { return identities.contains(entry.first.first); });
 }
 
 void Journal::forget(const std::set<std::string>& identities) {
-    const auto known = outcomes_.size();
+    const auto before = outcomes_.size();
     erase(identities);
     if (outcomes_.empty())
         clear();
-    else if (outcomes_.size() < known)
+    else if (outcomes_.size() < before)
         write_line(json{{"forgotten", identities}}.dump());
 }
 

@@ -91,7 +91,7 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     outcome.repeats.clear();
     outcome.trace.clear();
     // The seconds of the solver's stages belong to the finer run only.
-    std::erase_if(outcome.extras, [](const auto& one) { return one.first.starts_with(stage_prefix); });
+    std::erase_if(outcome.extras, [](const auto& extra) { return extra.first.starts_with(stage_prefix); });
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {
         if (!(sample.upper - sample.lower <= gap)) continue;

@@ -125,11 +125,11 @@ private:
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
         for (const std::size_t row : job.cases) {
-            const Outcome* known = finished_.kept(row, 0);
+            const Outcome* earlier = finished_.kept(row, 0);
             const bool refused =
-                known && known->status == RowStatus::out_of_memory && known->reason.starts_with(not_started);
+                earlier && earlier->status == RowStatus::out_of_memory && earlier->reason.starts_with(not_started);
             if (reason.empty() && refused) finished_.forget(row);
-            if (reason.empty() || known) continue;
+            if (reason.empty() || earlier) continue;
             Outcome outcome;
             outcome.status = RowStatus::out_of_memory;
             outcome.reason = reason;
@@ -165,8 +165,8 @@ private:
     void run_several() {
         std::vector<Demand> demands;
         for (const Job& job : plan_.jobs) {
-            const JobEstimate one = estimates_.of(plan_, job);
-            demands.push_back({one.seconds, plan_.cases[job.cases.front()].threads, one.bytes});
+            const JobEstimate estimate = estimates_.of(plan_, job);
+            demands.push_back({estimate.seconds, plan_.cases[job.cases.front()].threads, estimate.bytes});
         }
         run_side_by_side(
             demands, Capacity(cores_here(options_.jobs), spare_bytes()),

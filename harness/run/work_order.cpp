@@ -60,7 +60,7 @@ std::size_t WorkOrder::pair_end(std::size_t first) const {
 }
 
 std::vector<int> WorkOrder::new_shapes() const {
-    std::set<std::filesystem::path> known;
+    std::set<std::filesystem::path> seen;
     std::vector<int> counts(items.size());
     for (std::size_t i = 0; i < items.size(); ++i) {
         if (i > 0 && items[i].pair == items[i - 1].pair) {
@@ -68,7 +68,7 @@ std::vector<int> WorkOrder::new_shapes() const {
             continue;
         }
         const Pair& pair = pairs.at(items[i].pair);
-        for (const auto& file : {pair.source_file, pair.target_file}) counts[i] += known.insert(file).second ? 1 : 0;
+        for (const auto& file : {pair.source_file, pair.target_file}) counts[i] += seen.insert(file).second ? 1 : 0;
     }
     return counts;
 }

@@ -127,10 +127,10 @@ private:
                 last_use_[pair.source_file] = last_use_[pair.target_file] = i;
             }
         }
-        std::erase_if(loaded_, [&](const auto& known) { return last_use_.at(known.first) < first; });
-        auto& known = loaded_[file];
-        if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, order_.exponent);
-        return known;
+        std::erase_if(loaded_, [&](const auto& entry) { return last_use_.at(entry.first) < first; });
+        auto& loaded = loaded_[file];
+        if (!loaded) loaded = std::make_shared<PreparedShape>(read_shape(file).shape, order_.exponent);
+        return loaded;
     }
 
     struct Answer {

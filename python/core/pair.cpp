@@ -53,9 +53,9 @@ py::tuple answer_to(const Query& query, Pair::Chain* chain, const py::object& pr
     int code;
     {
         const Pair::Chain::Use use(chain);
-        hausbench_query asked = query.with(working, use.get());
-        if (!progress.is_none()) working.show_progress_to(progress, asked);
-        code = working.run([&] { return ask(&asked, &answer, &error); });
+        hausbench_query spec = query.with(working, use.get());
+        if (!progress.is_none()) working.show_progress_to(progress, spec);
+        code = working.run([&] { return ask(&spec, &answer, &error); });
     }
     check(code, error);
     return tuple_of(answer);
@@ -130,8 +130,8 @@ py::tuple Pair::within(bool symmetric, double length, const Query& query, Chain*
 py::tuple Pair::certify(bool symmetric, const Query& query, const py::bytes& path) const {
     const std::string name = path_of(path);
     return answer_to(query, nullptr, py::none(),
-                     [&](const hausbench_query* asked, hausbench_answer* answer, hausbench_error* error) {
-                         return hausbench_certify(pair_.get(), symmetric, asked, name.c_str(), answer, error);
+                     [&](const hausbench_query* spec, hausbench_answer* answer, hausbench_error* error) {
+                         return hausbench_certify(pair_.get(), symmetric, spec, name.c_str(), answer, error);
                      });
 }
 
@@ -140,8 +140,8 @@ py::tuple Pair::distribution(const std::vector<std::string>& statistics, const Q
     const std::vector<const char*> texts = pointers_to(statistics);
     std::vector<hausbench_interval> values(texts.size());
     const py::tuple answer = answer_to(
-        query, nullptr, progress, [&](const hausbench_query* asked, hausbench_answer* result, hausbench_error* error) {
-            return hausbench_distribution(pair_.get(), texts.data(), texts.size(), asked, values.data(), result, error);
+        query, nullptr, progress, [&](const hausbench_query* spec, hausbench_answer* result, hausbench_error* error) {
+            return hausbench_distribution(pair_.get(), texts.data(), texts.size(), spec, values.data(), result, error);
         });
     py::list bounds;
     for (const hausbench_interval& value : values) bounds.append(py::make_tuple(value.lower, value.upper));
@@ -154,8 +154,8 @@ py::tuple Pair::field(const Query& query, py::ssize_t count) const {
     py::array_t<std::int64_t> nearest(count);
     auto* values = reinterpret_cast<hausbench_interval*>(bounds.mutable_data());
     std::int64_t* rows = nearest.mutable_data();
-    answer_to(query, nullptr, py::none(), [&](const hausbench_query* asked, hausbench_answer*, hausbench_error* error) {
-        return hausbench_field(pair_.get(), asked, values, rows, error);
+    answer_to(query, nullptr, py::none(), [&](const hausbench_query* spec, hausbench_answer*, hausbench_error* error) {
+        return hausbench_field(pair_.get(), spec, values, rows, error);
     });
     return py::make_tuple(bounds, nearest);
 }

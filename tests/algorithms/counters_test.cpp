@@ -191,7 +191,7 @@ void write(const Groups& all, const char* to) {
     std::ofstream out(to);
     for (const auto& [group, count] : all) {
         const Counts counts = count();
-        if (std::all_of(counts.begin(), counts.end(), [](const auto& one) { return one.second == Counters{}; }))
+        if (std::all_of(counts.begin(), counts.end(), [](const auto& entry) { return entry.second == Counters{}; }))
             continue;
         out << "[" << group << "]\n";
         for (const auto& [name, counters] : counts) {

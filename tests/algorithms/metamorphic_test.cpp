@@ -97,9 +97,9 @@ template <class R> void expect_of_every_solver() {
                 ++tried[info.name];
                 for (const double tolerance : {coarse, fine}) {
                     const bool tight = tolerance == coarse && reaches_the_tolerance(info);
-                    for (const std::string& one :
+                    for (const std::string& violation :
                          violations<R>(ask_of(entry), instance, tolerance, tight, !info.source.mesh))
-                        ADD_FAILURE() << info.name << ", " << one;
+                        ADD_FAILURE() << info.name << ", " << violation;
                 }
             }
         }

@@ -211,11 +211,11 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             const std::string at = std::to_string(factor) + " h";
             const Result above = solve([&](Query& q) { q.cutoff = d; }, "cutoff " + at);
             const Result below = solve([&](Query& q) { q.floor = d; }, "floor " + at);
-            const Result asked = solve([&](Query& q) { q.floor = q.cutoff = d; }, "above " + at + "?");
+            const Result question = solve([&](Query& q) { q.floor = q.cutoff = d; }, "above " + at + "?");
             if (hopeless) continue;
             EXPECT_EQ(to_string(above.status), factor < 1 ? "above_cutoff" : "converged") << where << ", cutoff " << at;
             EXPECT_EQ(to_string(below.status), factor < 1 ? "converged" : "below_floor") << where << ", floor " << at;
-            EXPECT_EQ(to_string(asked.status), factor < 1 ? "above_cutoff" : "below_floor") << where << ", " << at;
+            EXPECT_EQ(to_string(question.status), factor < 1 ? "above_cutoff" : "below_floor") << where << ", " << at;
         }
         if (!reaches_the_tolerance(entry.info) || h < 1e9 * unit_roundoff * truth.magnitude) return;
         const Result relative = solve([](Query& q) { q.tolerance = {Tolerance::Of::lower, 1e-3}; }, "relative");
@@ -263,12 +263,12 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
 
 TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
-        const Session one = session_of(entry, c.test), two = session_of(entry, c.test);
+        const Session first = session_of(entry, c.test), second = session_of(entry, c.test);
         const std::size_t n = c.truths.size();
         std::vector<Result> forward(n), backward(n);
         Trace trace;
-        for (std::size_t i = 0; i < n; ++i) forward[i] = one.solve(query_of(c.test.poses[i], c.truths[i]), trace);
-        for (std::size_t i = n; i-- > 0;) backward[i] = two.solve(query_of(c.test.poses[i], c.truths[i]), trace);
+        for (std::size_t i = 0; i < n; ++i) forward[i] = first.solve(query_of(c.test.poses[i], c.truths[i]), trace);
+        for (std::size_t i = n; i-- > 0;) backward[i] = second.solve(query_of(c.test.poses[i], c.truths[i]), trace);
         for (std::size_t i = 0; i < n; ++i) {
             expect_same_answer(forward[i], backward[i], where);
             EXPECT_EQ(forward[i].counters, backward[i].counters) << where;
@@ -277,7 +277,7 @@ TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
 }
 
 TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
-    std::map<std::string, std::set<std::string>> asked;
+    std::map<std::string, std::set<std::string>> needed;
     const auto compare = [&](const SolverEntry& entry, const Case& c, const ParameterMap& given,
                              const std::string& where) {
         const Session lean = session_of(entry, c.test, Prepare::needed_only, given),
@@ -290,7 +290,7 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
         for (const Need& need : lean.needs()) {
             EXPECT_TRUE(lean.prepared().uses().contains(to_string(need)))
                 << where << " declares a " << to_string(need) << " and never uses it";
-            asked[entry.info.name].insert(to_string(need));
+            needed[entry.info.name].insert(to_string(need));
         }
         EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
         EXPECT_GE(full.preparation().size(), full.needs().size() + 1) << where;  // the needs and "solver"
@@ -305,7 +305,7 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     for (const SolverEntry& entry : solvers()) {
         if (!entry.info.offers(Quantity::directed)) continue;
         for (const Need& need : entry.info.may_need) {
-            EXPECT_TRUE(asked[entry.info.name].contains(to_string(need)))
+            EXPECT_TRUE(needed[entry.info.name].contains(to_string(need)))
                 << entry.info.name << " never asks for its " << to_string(need);
         }
     }

@@ -72,7 +72,7 @@ std::string lines(const char* point, const char* face, int first = 0) {
 std::string raw_points() {
     std::string bytes;
     for (const auto& point : points)
-        for (const double one : point) bytes += raw(static_cast<float>(one));
+        for (const double coordinate : point) bytes += raw(static_cast<float>(coordinate));
     return bytes;
 }
 
@@ -98,9 +98,9 @@ protected:
             ours.push_back({corners[i], corners[i + 1], corners[i + 2]});
         ASSERT_EQ(ours.size(), count);
         ASSERT_EQ(theirs.size(), count);
-        const auto found_in = [](const Triangle& one, const std::vector<Triangle>& all) {
+        const auto found_in = [](const Triangle& triangle, const std::vector<Triangle>& all) {
             return std::any_of(all.begin(), all.end(),
-                               [&](const Triangle& other) { return difference(one, other) < 2e-5; });
+                               [&](const Triangle& other) { return difference(triangle, other) < 2e-5; });
         };
         for (std::size_t i = 0; i < count; ++i) {
             EXPECT_TRUE(found_in(ours[i], theirs)) << i << ": " << ours[i][0].transpose();

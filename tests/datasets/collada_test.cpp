@@ -70,11 +70,11 @@ protected:
 TEST_F(Collada, VerticesAreReadToTheLastBit) {
     const std::string text = source("0.1 1e-17 +.5\n0.30000000000000004 -2.7182818284590451<!-- 7 --> 1e300 3 4 5.",
                                     R"(count="9")", R"(count="3" stride="3")");
-    const auto found = corners(document(geometry("<mesh>" + text + vertices + triangles + "</mesh>"), node(instance)));
-    ASSERT_EQ(found.size(), 3u);
-    EXPECT_EQ(found[0], Vec3(0.1, 1e-17, 0.5));
-    EXPECT_EQ(found[1], Vec3(0.1 + 0.2, -2.718281828459045, 1e300));
-    EXPECT_EQ(found[2], Vec3(3, 4, 5));
+    const auto points = corners(document(geometry("<mesh>" + text + vertices + triangles + "</mesh>"), node(instance)));
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[0], Vec3(0.1, 1e-17, 0.5));
+    EXPECT_EQ(points[1], Vec3(0.1 + 0.2, -2.718281828459045, 1e300));
+    EXPECT_EQ(points[2], Vec3(3, 4, 5));
 }
 
 TEST_F(Collada, AccessorsHaveOffsetsStridesAndUnnamedParams) {

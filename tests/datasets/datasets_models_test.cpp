@@ -106,7 +106,8 @@ TEST(Generate, BitsArePinned) {
          {{"count", 1000}, {"seed", 7}, {"clusters", 9}, {"layout", 5}, {"spread", 10}, {"sigma", 1}, {"shrink", 0.1}},
          "5d9bb3175a827b3472c5f2f3df2440d26b84fbad8085c8dcbf88899350066ac9"},
     };
-    for (const Pinned& one : all) EXPECT_EQ(content_hash(generate(one.recipe, one.numbers)), one.hash) << one.recipe;
+    for (const Pinned& pinned : all)
+        EXPECT_EQ(content_hash(generate(pinned.recipe, pinned.numbers)), pinned.hash) << pinned.recipe;
 }
 
 TEST(Generate, MeshesAreWhatTheySay) {
@@ -601,12 +602,12 @@ TEST_F(Manifest, TheCorpusAddsItsMeshesAndWhatItsRulesDerive) {
         "[model.h]\nsource = 'derived'\nfrom = 'c'\noperation = 'simplify'\nratio = 0.5\n";
     EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + by_hand).resolve("h")).shape_file, halved.shape_file);
     // An experiment's own model may only replace a model made by a rule.
-    ModelInfo own = all.find("ball");
-    own.name = "cube_half";
-    all.add("s.toml", {own});
+    ModelInfo replacement = all.find("ball");
+    replacement.name = "cube_half";
+    all.add("s.toml", {replacement});
     EXPECT_FALSE(all.find("cube_half").of_corpus);
-    own.name = "cube";
-    EXPECT_THROW(all.add("s.toml", {own}), InputError);
+    replacement.name = "cube";
+    EXPECT_THROW(all.add("s.toml", {replacement}), InputError);
 }
 
 TEST_F(Manifest, MistakesInTheCorpusAreNamedWithTheirLine) {

@@ -87,22 +87,22 @@ TEST_F(PointFiles, CountLines) {
 }
 
 TEST_F(PointFiles, HeadersOfColumns) {
-    const Rows one = {{1, 2, 3}};
-    reads("a.csv", "x,y,z\n1,2,3\n", one);
-    reads("a.csv", "id;\"Z\";\"Y\";\"X\"\n7;3;2;1\n", one);
-    reads("a.csv", "//X,Y,Z,Intensity\n1,2,3,9\n", one);  // as CloudCompare writes it
-    reads("a.csv", "//Intensity,X,Y,Z\n9,1,2,3\n", one);
-    reads("a.csv", "//X,Y,Z,R\n1\n1,2,3,9\n", one);
-    reads("a.asc", "//X Y Z R G B\n1\n1 2 3 4 5 6\n", one);
-    reads("a.csv", "easting,northing,height\n1,2,3\n", one);
-    reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", one);
-    reads("a.csv", "x,y,z\n1,2,3,\n", one);
-    reads("a.csv", ",x,y,z\n0,1,2,3\n", one);                      // pandas, with its index
-    reads("a.csv", "\"\",\"x\",\"y\",\"z\"\n\"1\",1,2,3\n", one);  // R, with the names of rows
-    reads("a.txt", "\tx\ty\tz\n0\t1\t2\t3\n", one);
-    reads("a.csv", "sep=;\nx;y;z\n1;2;3\n", one);
-    reads("a.csv", "name,x,y,z\n\"a,7,8,9,b\",1,2,3\n", one);
-    reads("a.csv", "name,x,y,z\n\"a \"\"b\"\", # c\",1,2,3\n", one);
+    const Rows point = {{1, 2, 3}};
+    reads("a.csv", "x,y,z\n1,2,3\n", point);
+    reads("a.csv", "id;\"Z\";\"Y\";\"X\"\n7;3;2;1\n", point);
+    reads("a.csv", "//X,Y,Z,Intensity\n1,2,3,9\n", point);  // as CloudCompare writes it
+    reads("a.csv", "//Intensity,X,Y,Z\n9,1,2,3\n", point);
+    reads("a.csv", "//X,Y,Z,R\n1\n1,2,3,9\n", point);
+    reads("a.asc", "//X Y Z R G B\n1\n1 2 3 4 5 6\n", point);
+    reads("a.csv", "easting,northing,height\n1,2,3\n", point);
+    reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", point);
+    reads("a.csv", "x,y,z\n1,2,3,\n", point);
+    reads("a.csv", ",x,y,z\n0,1,2,3\n", point);                      // pandas, with its index
+    reads("a.csv", "\"\",\"x\",\"y\",\"z\"\n\"1\",1,2,3\n", point);  // R, with the names of rows
+    reads("a.txt", "\tx\ty\tz\n0\t1\t2\t3\n", point);
+    reads("a.csv", "sep=;\nx;y;z\n1;2;3\n", point);
+    reads("a.csv", "name,x,y,z\n\"a,7,8,9,b\",1,2,3\n", point);
+    reads("a.csv", "name,x,y,z\n\"a \"\"b\"\", # c\",1,2,3\n", point);
     refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z", "--columns"});
     refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // a bad number, not a header
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
@@ -168,17 +168,17 @@ TEST_F(PointFiles, UnitsOfColumns) {
 }
 
 TEST_F(PointFiles, ColumnsThatTheUserChose) {
-    const Rows one = {{1, 2, 3}};
-    reads("a.csv", "7,1,2,3,IP\n", one, {.columns = "2,3,4"});
-    reads("a.csv", "7,1,2,3,\"a;b, c\"\n", one, {.columns = "2,3,4"});
-    reads("a.txt", "3 2 1\n", one, {.columns = "3, 2, 1"});
-    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", one, {.columns = "E,N,H"});
-    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", one, {.columns = "1,2,3"});
-    reads("a.csv", "e [m],n [m],h [m]\n1,2,3\n", one, {.columns = "E,N,H"});
-    reads("a.csv", "x,y,z,X,Y,Z\n9,9,9,1,2,3\n", one, {.columns = "X,Y,Z"});
-    reads("a.txt", "# q E N H\n9 1 2 3\n", one, {.columns = "E,N,H"});
-    reads("a.txt", "x y z\n9 1 2 3\n", one, {.columns = "2,3,4"});  // write.table of R
-    reads("a.csv", ",0,1,2\n0,1,2,3\n", one, {.columns = "2,3,4"});
+    const Rows point = {{1, 2, 3}};
+    reads("a.csv", "7,1,2,3,IP\n", point, {.columns = "2,3,4"});
+    reads("a.csv", "7,1,2,3,\"a;b, c\"\n", point, {.columns = "2,3,4"});
+    reads("a.txt", "3 2 1\n", point, {.columns = "3, 2, 1"});
+    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", point, {.columns = "E,N,H"});
+    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", point, {.columns = "1,2,3"});
+    reads("a.csv", "e [m],n [m],h [m]\n1,2,3\n", point, {.columns = "E,N,H"});
+    reads("a.csv", "x,y,z,X,Y,Z\n9,9,9,1,2,3\n", point, {.columns = "X,Y,Z"});
+    reads("a.txt", "# q E N H\n9 1 2 3\n", point, {.columns = "E,N,H"});
+    reads("a.txt", "x y z\n9 1 2 3\n", point, {.columns = "2,3,4"});  // write.table of R
+    reads("a.csv", ",0,1,2\n0,1,2,3\n", point, {.columns = "2,3,4"});
     const std::string names = "id,E,N,H\n9,1,2,3\n";
     refused("a.csv", names, {"line 1", "no column is named 'Q', only 'id', 'E', 'N', 'H'"}, {.columns = "E,N,Q"});
     refused("a.csv", names, {"column 5", "there are 4", "'id', 'E'"}, {.columns = "3,4,5"});

@@ -27,11 +27,11 @@ const Nodes connected = {connect(20, 0), connect(10, 20)};
 const std::vector<Vec3> unmoved = {{0.1, 0, 0}, {1, 0, 0}, {0, 2, 0}};
 
 // A scene of the triangle below one model.
-Nodes one(const Nodes& props, const Nodes& settings = {}) {
+Nodes one_model(const Nodes& props, const Nodes& settings = {}) {
     return document({triangle, model(20, props)}, connected, settings);
 }
 // A scene of the triangle below a model below another.
-Nodes two(const Nodes& outer, const Nodes& inner) {
+Nodes two_models(const Nodes& outer, const Nodes& inner) {
     return document({triangle, model(20, inner), model(21, outer)}, {connect(21, 0), connect(20, 21), connect(10, 20)});
 }
 
@@ -41,8 +41,8 @@ protected:
 
     // Expects that these properties of the model move the corners of the triangle to `where`, in text and in binary.
     void expect_at(const Nodes& props, const std::vector<Vec3>& where, double off = 0) const {
-        expect_near(corners(text(one(props))), where, off, text_of(props));
-        expect_near(corners(binary(one(props))), where, off, text_of(props));
+        expect_near(corners(text(one_model(props))), where, off, text_of(props));
+        expect_near(corners(binary(one_model(props))), where, off, text_of(props));
     }
     void refused_scene(const Nodes& nodes, const std::vector<std::string>& parts) const {
         refused(text(nodes), parts);
@@ -64,7 +64,7 @@ TEST_F(Fbx, EveryFormGivesTheDoublesOfTheFile) {
         EXPECT_FALSE(loaded.report.float32);
         EXPECT_TRUE(loaded.report.notes.empty()) << ::testing::PrintToString(loaded.report.notes);
     }
-    Nodes narrow = one({});
+    Nodes narrow = one_model({});
     narrow[3].children[0].children[0].values = {std::vector<float>(vertices.begin(), vertices.end())};
     const LoadedShape loaded = load(binary(narrow));
     EXPECT_EQ(corners(loaded)[0].x(), double{0.1F});
@@ -72,7 +72,7 @@ TEST_F(Fbx, EveryFormGivesTheDoublesOfTheFile) {
 }
 
 TEST_F(Fbx, NumbersOfAnyLengthInText) {
-    std::string bytes = text(one({}));
+    std::string bytes = text(one_model({}));
     bytes.replace(bytes.find("0.1,"), 4, "0.1000000000000000055511151231257827021181583404541015625,");
     EXPECT_EQ(corners(bytes), unmoved);
     bytes.replace(bytes.find("Vertices"), 0, "; a comment with { and \"\r\n\t ");
@@ -131,28 +131,29 @@ TEST_F(Fbx, RotationsInTheirOrder) {
                           active};
     expect_at(undone, unmoved);
     for (const char* const name : {"PreRotation", "PostRotation"})
-        refused_scene(one({property(name, 0.0, 1e-9, 0.0)}), {"while RotationActive is 0, and programs differ"});
-    refused_scene(one({turn, property("RotationOrder", std::int32_t{1})}), {"while RotationActive is 0"});
+        refused_scene(one_model({property(name, 0.0, 1e-9, 0.0)}), {"while RotationActive is 0, and programs differ"});
+    refused_scene(one_model({turn, property("RotationOrder", std::int32_t{1})}), {"while RotationActive is 0"});
     expect_at({property("Lcl Rotation", 0.0, 0.0, 90.0), property("RotationOrder", std::int32_t{1})},
               {{0, 0.1, 0}, {0, 1, 0}, {-2, 0, 0}});
-    refused_scene(one({turn, active, property("RotationOrder", std::int32_t{6})}), {"has the RotationOrder 6"});
+    refused_scene(one_model({turn, active, property("RotationOrder", std::int32_t{6})}), {"has the RotationOrder 6"});
 }
 
 TEST_F(Fbx, ModelsBelowModels) {
     const Node stretched = property("Lcl Scaling", 2.0, 1.0, 1.0), even = property("Lcl Scaling", 2.0, 2.0, 2.0),
                turned = property("Lcl Rotation", 0.0, 0.0, 90.0);
     const auto inherits = [](std::int32_t rule) { return property("InheritType", rule); };
-    EXPECT_EQ(corners(text(two({even}, {property("Lcl Translation", 1.0, 0.0, 0.0)})))[1], Vec3(4, 0, 0));
+    EXPECT_EQ(corners(text(two_models({even}, {property("Lcl Translation", 1.0, 0.0, 0.0)})))[1], Vec3(4, 0, 0));
     // The geometric transform of the outer model does not move the inner one.
-    EXPECT_EQ(corners(binary(two({property("GeometricTranslation", 5.0, 0.0, 0.0)}, {}))), unmoved);
+    EXPECT_EQ(corners(binary(two_models({property("GeometricTranslation", 5.0, 0.0, 0.0)}, {}))), unmoved);
     const std::vector<Vec3> sheared = {{0, 0.1, 0}, {0, 1, 0}, {-4, 0, 0}};
-    EXPECT_EQ(corners(text(two({stretched}, {turned, inherits(1)}))), sheared);
-    refused_scene(two({stretched}, {turned, inherits(0)}), {"'n20' is turned, with InheritType 0, below a scale"});
-    refused_scene(two({stretched}, {turned}), {"'n20' is turned, with InheritType 0, below a scale"});
-    refused_scene(two({even}, {inherits(2)}), {"'n20' has InheritType 2 below a scale"});
-    refused_scene(two({even}, {inherits(7)}), {"has the unknown InheritType 7"});
-    EXPECT_EQ(corners(text(two({even}, {turned})))[1], Vec3(0, 2, 0));
-    EXPECT_EQ(corners(text(two({turned}, {inherits(2), stretched})))[1], Vec3(0, 2, 0));
+    EXPECT_EQ(corners(text(two_models({stretched}, {turned, inherits(1)}))), sheared);
+    refused_scene(two_models({stretched}, {turned, inherits(0)}),
+                  {"'n20' is turned, with InheritType 0, below a scale"});
+    refused_scene(two_models({stretched}, {turned}), {"'n20' is turned, with InheritType 0, below a scale"});
+    refused_scene(two_models({even}, {inherits(2)}), {"'n20' has InheritType 2 below a scale"});
+    refused_scene(two_models({even}, {inherits(7)}), {"has the unknown InheritType 7"});
+    EXPECT_EQ(corners(text(two_models({even}, {turned})))[1], Vec3(0, 2, 0));
+    EXPECT_EQ(corners(text(two_models({turned}, {inherits(2), stretched})))[1], Vec3(0, 2, 0));
     // What shows no geometry may be turned as it likes.
     EXPECT_EQ(
         corners(text(document({triangle, model(20), model(21, {property("PreRotation", 1.0, 0.0, 0.0)}, "Camera")},
@@ -177,7 +178,7 @@ TEST_F(Fbx, TemplatesGiveDefaults) {
 
 TEST_F(Fbx, UnitIsStatedAndChangesNoNumber) {
     const auto unit = [&](const Nodes& settings) {
-        const LoadedShape loaded = load(binary(one({}, settings)));
+        const LoadedShape loaded = load(binary(one_model({}, settings)));
         EXPECT_EQ(corners(loaded), unmoved);
         return loaded.report.stated.unit;
     };
@@ -187,7 +188,7 @@ TEST_F(Fbx, UnitIsStatedAndChangesNoNumber) {
     EXPECT_EQ(unit({property("UnitScaleFactor", double{2.54F})}), "inch");
     EXPECT_EQ(unit({property("UnitScaleFactor", 0.1)}), "mm");
     EXPECT_EQ(unit({property("UnitScaleFactor", -1.0)}), "");
-    expect_note(load(text(one({}, {property("UnitScaleFactor", 0.0)}))),
+    expect_note(load(text(one_model({}, {property("UnitScaleFactor", 0.0)}))),
                 "its UnitScaleFactor is not a positive number, and counts as not stated");
 }
 
@@ -222,14 +223,14 @@ TEST_F(Fbx, AxesAreStatedOnlyIfTheyAreThoseOfUp) {
         EXPECT_EQ(corners(loaded), shape) << code;
     }
     EXPECT_EQ(stated, 3) << "X, Y and Z up";
-    EXPECT_EQ(load(text(one({}))).report.stated.up, 'Y');
-    EXPECT_EQ(load(text(one({}, axes(2, 1, 1, -1, 0, 1)))).report.stated.up, 'Z') << "3ds Max";
+    EXPECT_EQ(load(text(one_model({}))).report.stated.up, 'Y');
+    EXPECT_EQ(load(text(one_model({}, axes(2, 1, 1, -1, 0, 1)))).report.stated.up, 'Z') << "3ds Max";
     expect_note(
-        load(text(one({}, axes(2, 1, 1, 1, 0, -1)))),
+        load(text(one_model({}, axes(2, 1, 1, 1, 0, -1)))),
         "in its axes +Z points up, +Y to the viewer and -X to the right: --up knows no such axes, so it counts as "
         "stating none");
     expect_note(
-        load(text(one({}, {property("UpAxis", std::int32_t{5})}))),
+        load(text(one_model({}, {property("UpAxis", std::int32_t{5})}))),
         "in its axes ? points up, +Z to the viewer and +X to the right: --up knows no such axes, so it counts as "
         "stating none");
 }
@@ -283,15 +284,16 @@ TEST_F(Fbx, NotesTellWhatIsNotShownAsItIs) {
             "its animations are left out: the transforms of the models count");
     note_of({"Constraint", {std::int64_t{30}, std::string(), std::string()}},
             "1 constraints are left out: the transforms of the models count");
-    EXPECT_TRUE(has_note(load(text(one({property("Visibility", 0.0)}))), "1 of its models are hidden, and read"));
-    EXPECT_TRUE(has_note(load(text(two({property("Visibility", 0.0)}, {}))), "1 of its models are hidden, and read"));
-    Nodes smooth = one({});
+    EXPECT_TRUE(has_note(load(text(one_model({property("Visibility", 0.0)}))), "1 of its models are hidden, and read"));
+    EXPECT_TRUE(
+        has_note(load(text(two_models({property("Visibility", 0.0)}, {}))), "1 of its models are hidden, and read"));
+    Nodes smooth = one_model({});
     smooth[3].children[0].children.push_back({"Smoothness", {std::int32_t{2}}});
     expect_note(load(text(smooth)), "1 of its meshes are shown smoothed: their control meshes are read");
     using Ints = std::vector<std::int32_t>;
     for (const auto& [edges, odd] :
          {std::pair{Ints{0, 1, 2}, false}, {Ints{0, 2}, true}, {Ints{}, false}, {Ints{7, -1}, false}}) {
-        Nodes listed = one({});
+        Nodes listed = one_model({});
         listed[3].children[0].children.push_back({"Edges", {edges}});
         EXPECT_EQ(
             has_note(load(binary(listed)), "1 of its meshes have polygons with sides that are not among their Edges"),
@@ -304,39 +306,39 @@ TEST_F(Fbx, NotesTellWhatIsNotShownAsItIs) {
 
 TEST_F(Fbx, DeformedAndOtherGeometriesAreRefused) {
     for (const char* const kind : {"Skin", "BlendShape"}) {
-        Nodes deformed = one({});
+        Nodes deformed = one_model({});
         deformed[3].children.push_back({"Deformer", {std::int64_t{30}, std::string("Deformer::"), std::string(kind)}});
         deformed[4].children.push_back(connect(30, 10));
         refused_scene(deformed, {fmt::format("is deformed by Deformer '{}', which is not supported: apply it", kind)});
     }
     for (const char* const kind : {"Shape", "NurbsCurve", "NurbsSurface", "TrimNurbsSurface", "Boundary", "Patch"}) {
-        Nodes curved = one({});
+        Nodes curved = one_model({});
         curved[3].children[0].values[2] = std::string(kind);
         refused_scene(curved, {fmt::format("is a {}, which is not supported: convert it to polygons", kind)});
     }
-    Nodes changed = one({});
+    Nodes changed = one_model({});
     changed[3].children[0].children.push_back({"Shape", {std::string("smile")}});
     refused_scene(changed, {"has blend shapes, which are not supported"});
-    changed = one({});
+    changed = one_model({});
     changed[3].children[0].children.push_back(
         {"LayerElementHole", {std::int32_t{0}}, {{"Hole", {std::vector<std::int32_t>{1}}}}});
     refused_scene(changed, {"marks polygons as holes, which is not supported: delete them"});
-    changed = one({});
+    changed = one_model({});
     changed[3].children.push_back({"NodeAttribute", {std::int64_t{30}, std::string(), std::string("LodGroup")}});
     changed[4].children.push_back(connect(30, 20));
     refused_scene(changed, {"model 'n20' is a LodGroup, which holds several versions"});
-    changed = one({});
+    changed = one_model({});
     changed[3].children.push_back({"SceneReference", {std::int64_t{30}}});
     refused_scene(changed, {"refers to another file, which is not supported"});
-    changed = one({});
+    changed = one_model({});
     changed[3].children.push_back(model(21));
     changed[4].children.push_back(
         {"C", {std::string("OP"), std::int64_t{21}, std::int64_t{20}, std::string("LookAtProperty")}});
     refused_scene(changed, {"model 'n20' has a LookAtProperty"});
-    refused_scene(one({property("Lcl Translation", 5.0, 0.0, 0.0), property("TranslationActive", std::int32_t{1}),
-                       property("TranslationMaxX", std::int32_t{1}), property("TranslationMax", 2.0, 0.0, 0.0)}),
+    refused_scene(one_model({property("Lcl Translation", 5.0, 0.0, 0.0), property("TranslationActive", std::int32_t{1}),
+                             property("TranslationMaxX", std::int32_t{1}), property("TranslationMax", 2.0, 0.0, 0.0)}),
                   {"has a Lcl Translation beyond its limits"});
-    refused_scene(one({property("Lcl Translation", 5.0, 0.0, 0.0), property("Lcl Translation", 2.0, 0.0, 0.0)}),
+    refused_scene(one_model({property("Lcl Translation", 5.0, 0.0, 0.0), property("Lcl Translation", 2.0, 0.0, 0.0)}),
                   {"Lcl Translation stands twice: remove one"});
 }
 
@@ -349,29 +351,29 @@ TEST_F(Fbx, DamagedListsAreRefused) {
     refused_scene(with(vertices, {0, 1, 2}), {"the last number of PolygonVertexIndex is not negative"});
     refused_scene(with({1, 2, 3, 4}, {0, -1}), {"Vertices has 4 numbers, not a multiple of 3"});
     refused(text(with({1, 2, std::nan("")}, {0, -1})), {"has a coordinate that is not finite"});
-    refused_scene(one({property("Lcl Scaling", 1.0, std::numeric_limits<double>::infinity(), 1.0)}),
+    refused_scene(one_model({property("Lcl Scaling", 1.0, std::numeric_limits<double>::infinity(), 1.0)}),
                   {"Lcl Scaling is not finite"});
-    refused_scene(one({property("Lcl Scaling", 1.0, 1.0)}), {"value 7 of P is not a number"});
+    refused_scene(one_model({property("Lcl Scaling", 1.0, 1.0)}), {"value 7 of P is not a number"});
     for (const char* const name : {"Objects", "Connections"}) {
-        Nodes twice = one({});
+        Nodes twice = one_model({});
         twice.push_back({name, {}, {triangle}});
         refused_scene(twice, {fmt::format("{} stands twice", name)});
     }
-    std::string bytes = text(one({}));
+    std::string bytes = text(one_model({}));
     bytes.replace(bytes.find("0.1,"), 4, "0.1x,");
     refused(bytes, {"line ", "'0.1x' in Vertices is not a number"});
-    bytes = text(one({}));
+    bytes = text(one_model({}));
     bytes.replace(bytes.find("*12"), 3, "*13");
     refused(bytes, {"Vertices does not have the 13 elements that it says"});
-    Nodes wrong = one({});
+    Nodes wrong = one_model({});
     wrong[3].children[0].children[0].values = {std::vector<std::int32_t>{1, 2, 3}};
     refused(binary(wrong), {"Vertices is not an array of float32 or float64 numbers"});
 }
 
 TEST_F(Fbx, OtherVersionsAndOtherFilesAreRefused) {
-    refused(binary(one({}), 6100), {"is version 6100 of FBX, and only 7000 to 7700 are supported: export it as"});
-    refused(binary(one({}), 8000), {"is version 8000 of FBX"});
-    std::string old = text(one({}));
+    refused(binary(one_model({}), 6100), {"is version 6100 of FBX, and only 7000 to 7700 are supported: export it as"});
+    refused(binary(one_model({}), 8000), {"is version 8000 of FBX"});
+    std::string old = text(one_model({}));
     old.replace(old.find("7400"), 4, "6100");
     refused(old, {"is version 6100 of FBX"});
     refused("; FBX 7.4.0\n", {"has no FBXVersion"});
@@ -382,18 +384,18 @@ TEST_F(Fbx, OtherVersionsAndOtherFilesAreRefused) {
 // No part of a sound file is sound.
 TEST_F(Fbx, TruncatedFilesAreRefused) {
     for (const std::uint32_t version : {7400u, 7500u}) {
-        std::string whole = binary(one({}), version);
+        std::string whole = binary(one_model({}), version);
         whole.resize(whole.size() - 160);
         for (std::size_t size = 1; size < whole.size(); ++size) refused(whole.substr(0, size), {"a.fbx: "});
     }
-    std::string whole = text(one({}));
+    std::string whole = text(one_model({}));
     whole.resize(whole.size() - 2);  // without the last '}'
     for (std::size_t size = 1; size <= whole.size(); ++size) refused(whole.substr(0, size), {"a.fbx: "});
 }
 
 // Sizes are checked before memory is allocated.
 TEST_F(Fbx, ArraysThatClaimTooMuchAreRefused) {
-    const std::string sound = binary(one({}), 7400, false), packed = binary(one({}), 7400, true);
+    const std::string sound = binary(one_model({}), 7400, false), packed = binary(one_model({}), 7400, true);
     const auto claim = [&](std::string bytes, std::size_t after, std::uint32_t value) {
         const std::size_t at = bytes.find("Vertices") + 9 + after;
         std::memcpy(bytes.data() + at, &value, 4);

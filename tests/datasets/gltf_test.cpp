@@ -111,8 +111,8 @@ TEST_F(Gltf, ATriangleIsReadToTheLastBit) {
     std::string bin = binary();
     const float odd = 0.1f;
     bin.replace(12, 4, bytes_of<float>({odd}));
-    const auto found = corners(triangle(), bin);
-    EXPECT_EQ(found, (std::vector<Vec3>{{0, 0, 0}, {double(odd), 0, 0}, {0, 2, 0}}));
+    const auto points = corners(triangle(), bin);
+    EXPECT_EQ(points, (std::vector<Vec3>{{0, 0, 0}, {double(odd), 0, 0}, {0, 2, 0}}));
     const LoadedShape loaded = load(triangle());
     EXPECT_EQ(loaded.report.format, "glb");
     EXPECT_TRUE(loaded.report.float32);
@@ -184,17 +184,17 @@ TEST_F(Gltf, DamagedContainersAreRefused) {
     const std::string whole = glb(triangle().dump(), binary());
     refused(whole.substr(0, whole.size() - 4), {"truncated", "header announces"});
     refused(whole.substr(0, 10), {"ends inside of its header"});
-    std::string one = whole;
-    one[4] = 1;
-    refused(one, {"GLB of version 1", "gltf-pipeline"});
-    one = whole;
-    one[14] = '\x7f';
-    refused(one, {"chunk 0 (from 0) ends after the end"});
-    one = whole;
-    one[16] = 'X';
-    refused(one, {"does not begin with a JSON chunk"});
-    one = glb(triangle().dump(), "");
-    refused(one, {"buffer 0 (from 0): has 0 bytes, not the 54"});
+    std::string damaged = whole;
+    damaged[4] = 1;
+    refused(damaged, {"GLB of version 1", "gltf-pipeline"});
+    damaged = whole;
+    damaged[14] = '\x7f';
+    refused(damaged, {"chunk 0 (from 0) ends after the end"});
+    damaged = whole;
+    damaged[16] = 'X';
+    refused(damaged, {"does not begin with a JSON chunk"});
+    damaged = glb(triangle().dump(), "");
+    refused(damaged, {"buffer 0 (from 0): has 0 bytes, not the 54"});
     refused("glTF" + number(2) + number(12), {"does not begin with a JSON chunk"});
     const LoadedShape loaded = load(whole + "abc");
     ASSERT_EQ(loaded.report.notes.size(), 1u);
@@ -683,11 +683,11 @@ TEST_F(Gltf, TheExponentialFilterIsExact) {
     // Three points whose numbers are m 2^e, each stored as one element in a block of the codec.
     Json json = meshopt();
     json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["filter"] = "EXPONENTIAL";
-    const auto found = corners(json);
+    const auto points = corners(json);
     // The bits of 1.0f, 2.0f and 4.0f, read as a mantissa and an exponent.
-    EXPECT_EQ(found[1].y(), 0);                            // 0x40000000: exponent 64, mantissa 0
-    EXPECT_EQ(found[2].x(), std::ldexp(-0x800000, 0x3f));  // 0x3f800000
-    EXPECT_EQ(found[5].z(), std::ldexp(-0x800000, 0x40));  // 0x40800000
+    EXPECT_EQ(points[1].y(), 0);                            // 0x40000000: exponent 64, mantissa 0
+    EXPECT_EQ(points[2].x(), std::ldexp(-0x800000, 0x3f));  // 0x3f800000
+    EXPECT_EQ(points[5].z(), std::ldexp(-0x800000, 0x40));  // 0x40800000
 }
 
 TEST_F(Gltf, DamagedMeshoptIsRefused) {

@@ -98,24 +98,35 @@ TEST_F(Gmsh, VersionFourIsRead) {
 
 TEST_F(Gmsh, BinaryFilesAreReadInBothByteOrders) {
     for (const bool big : {false, true}) {
-        Binary two("2.2", big);
-        two.text("$Nodes\n3\n").ints({5}).reals({0.1, 0, 0}).ints({6}).reals({1, 0, -2}).ints({8}).reals({0, 3, 0});
-        two.text("\n$EndNodes\n$Elements\n3\n").ints({15, 2, 2, 1, 0, 1, 5, 2, 0, 1, 6});
-        expect_triangle(two.ints({2, 1, 2, 3, 0, 1, 5, 6, 8}).text("\n$EndElements\n").bytes());
-        Binary zero("4.0", big);
-        zero.text("$Nodes\n").longs({1, 3}).ints({1, 2, 1}).longs({3});
-        zero.ints({5}).reals({0.1, 0, 0, 7, 7}).ints({6}).reals({1, 0, -2, 7, 7}).ints({8}).reals({0, 3, 0, 7, 7});
-        zero.text("\n$EndNodes\n$Elements\n").longs({1, 1}).ints({1, 2, 2}).longs({1}).ints({1, 5, 6, 8});
-        expect_triangle(zero.text("\n$EndElements\n").bytes());
-        Binary one("4.1", big);
-        one.text("$Entities\n").longs({0, 0, 0, 0}).text("\n$EndEntities\n");
-        one.text("$Nodes\n").longs({1, 3, 5, 8}).ints({3, 1, 1}).longs({3, 5, 6, 8});
-        one.reals({0.1, 0, 0, 7, 7, 7, 1, 0, -2, 7, 7, 7, 0, 3, 0, 7, 7, 7}).text("\n$EndNodes\n$Elements\n");
-        one.longs({1, 1, 1, 1}).ints({2, 1, 2}).longs({1, 1, 5, 6, 8}).text("\n$EndElements\n");
-        expect_triangle(one.bytes());
-        for (std::size_t size = 1; size < one.bytes().size() - 1; ++size) {
+        Binary version_22("2.2", big);
+        version_22.text("$Nodes\n3\n")
+            .ints({5})
+            .reals({0.1, 0, 0})
+            .ints({6})
+            .reals({1, 0, -2})
+            .ints({8})
+            .reals({0, 3, 0});
+        version_22.text("\n$EndNodes\n$Elements\n3\n").ints({15, 2, 2, 1, 0, 1, 5, 2, 0, 1, 6});
+        expect_triangle(version_22.ints({2, 1, 2, 3, 0, 1, 5, 6, 8}).text("\n$EndElements\n").bytes());
+        Binary version_40("4.0", big);
+        version_40.text("$Nodes\n").longs({1, 3}).ints({1, 2, 1}).longs({3});
+        version_40.ints({5})
+            .reals({0.1, 0, 0, 7, 7})
+            .ints({6})
+            .reals({1, 0, -2, 7, 7})
+            .ints({8})
+            .reals({0, 3, 0, 7, 7});
+        version_40.text("\n$EndNodes\n$Elements\n").longs({1, 1}).ints({1, 2, 2}).longs({1}).ints({1, 5, 6, 8});
+        expect_triangle(version_40.text("\n$EndElements\n").bytes());
+        Binary version_41("4.1", big);
+        version_41.text("$Entities\n").longs({0, 0, 0, 0}).text("\n$EndEntities\n");
+        version_41.text("$Nodes\n").longs({1, 3, 5, 8}).ints({3, 1, 1}).longs({3, 5, 6, 8});
+        version_41.reals({0.1, 0, 0, 7, 7, 7, 1, 0, -2, 7, 7, 7, 0, 3, 0, 7, 7, 7}).text("\n$EndNodes\n$Elements\n");
+        version_41.longs({1, 1, 1, 1}).ints({2, 1, 2}).longs({1, 1, 5, 6, 8}).text("\n$EndElements\n");
+        expect_triangle(version_41.bytes());
+        for (std::size_t size = 1; size < version_41.bytes().size() - 1; ++size) {
             // A file that ends before the elements is a valid point set.
-            const std::string part = one.bytes().substr(0, size);
+            const std::string part = version_41.bytes().substr(0, size);
             if (part.ends_with("$EndNodes") || part.ends_with("$EndNodes\n")) continue;
             EXPECT_THROW(load(part), InputError) << size;
         }

@@ -26,20 +26,20 @@ protected:
     }
 };
 
-const Vec3 one = {1, 2, 3}, turned = {2, 1, 3};  // columns 1, 2, 3; and x in column 2, y in column 1
+const Vec3 point = {1, 2, 3}, turned = {2, 1, 3};  // columns 1, 2, 3; and x in column 2, y in column 1
 
 TEST_F(Columns, HeaderOfNumbersIsNoPoint) {
     for (const std::string header : {"id,2019,2020,2021", "id,0,1,2", "pt,1.5,2.5,3.5", ",2019,2020,2021"})
         refused("a.csv", header + "\n7,1,2,3\n8,4,5,6\n", {"line 1", "header of numbers", "move it down"},
                 {.columns = "2,3,4"});
     refused("a.csv", "name,2019,2020,2021\nA,1,2,3\n", {"line 1", "'name'"}, {.columns = "2,3,4"});
-    reads("a.csv", "BM1,1,2,3\nBM2,4,5,6\n7,7,8,9\n", one, {.columns = "2,3,4"});
-    reads("a.csv", "A,1,2,3\n", one, {.columns = "2,3,4"});
-    reads("a.csv", "7,1,2,3\nBM2,4,5,6\n", one, {.columns = "2,3,4"});
-    reads("a.csv", "N/A,1,2,3\n5,4,5,6\n", one, {.columns = "2,3,4"});
+    reads("a.csv", "BM1,1,2,3\nBM2,4,5,6\n7,7,8,9\n", point, {.columns = "2,3,4"});
+    reads("a.csv", "A,1,2,3\n", point, {.columns = "2,3,4"});
+    reads("a.csv", "7,1,2,3\nBM2,4,5,6\n", point, {.columns = "2,3,4"});
+    reads("a.csv", "N/A,1,2,3\n5,4,5,6\n", point, {.columns = "2,3,4"});
     EXPECT_TRUE(has_note(load("a.csv", "0,1,2,3\n9,1,2,3\n", {.columns = "2,3,4"}), "if it numbers the columns"));
-    reads("a.csv", "x,y,z,2019\n1,2,3,4\n", one);  // one of the names is a number
-    reads("a.csv", "x,y,z,2nd return\n1,2,3,4\n", one);
+    reads("a.csv", "x,y,z,2019\n1,2,3,4\n", point);  // one of the names is a number
+    reads("a.csv", "x,y,z,2nd return\n1,2,3,4\n", point);
 }
 
 TEST_F(Columns, CommentsThatListOtherNamesAreRefused) {
@@ -81,7 +81,7 @@ TEST_F(Columns, CommentsThatListOtherNamesAreRefused) {
         refused("a.txt", "# " + names + "\n1 2 3\n", {"line 1", "angles"});
     refused("a.txt", "# 1: r  the radius\n# 2: theta  an angle\n# 3: phi  another\n1 2 3\n", {"--columns"});
     refused("a.txt", "# x y z\n# r theta phi\n1 2 3\n", {"line 2", "--columns"});
-    reads("a.txt", "# r theta phi\n1 2 3\n", one, {.columns = "1,2,3"});
+    reads("a.txt", "# r theta phi\n1 2 3\n", point, {.columns = "1,2,3"});
     reads("a.txt", "# r theta phi\n1 2 3\n", turned, {.columns = "theta,r,phi"});
 }
 
@@ -131,10 +131,10 @@ TEST_F(Columns, ProseIsIgnored) {
           "the x y z of it", "x y z of the points", "sphere with noise", "Author: Joe Q Roe", "1 2 3", "3 scans here",
           "Date: Nov 29 2026", "---", "2026-11-29", "units are mm", "Date\t29", "in the box",
           "coordinates of the points", "moved along y, x and z", "x y z"})
-        reads("a.txt", "# " + text + "\n1 2 3\n", one);
-    reads("a.txt", "# 1. first step\n# 2. second step\n# 3. third step\n1 2 3\n", one);
-    reads("a.txt", "# x y z\n# mm mm mm\n1 2 3\n", one);
-    reads("a.txt", "# x/y/z\n1 2 3\n", one);
+        reads("a.txt", "# " + text + "\n1 2 3\n", point);
+    reads("a.txt", "# 1. first step\n# 2. second step\n# 3. third step\n1 2 3\n", point);
+    reads("a.txt", "# x y z\n# mm mm mm\n1 2 3\n", point);
+    reads("a.txt", "# x/y/z\n1 2 3\n", point);
     for (const std::string text : {"y x z coordinates", "zyx", "NED", "order: zyx", "Y X Z, in metres", "z/y/x of it"})
         refused("a.txt", "# " + text + "\n1 2 3\n", {"line 1", "another order", "--columns"});
 }
@@ -189,8 +189,8 @@ TEST_F(Columns, UnitsThatAreNotKnown) {
 }
 
 TEST_F(Columns, NumbersAsOthersWriteThem) {
-    reads("a.txt", "1 2 3;\n4 5 6;\n", one);
-    reads("a.txt", "0.1D+01 2d0 +.3D1\n", one);
+    reads("a.txt", "1 2 3;\n4 5 6;\n", point);
+    reads("a.txt", "0.1D+01 2d0 +.3D1\n", point);
     refused("a.txt", "1.5D+0D 2 3\n", {"line 1", "column 1 (x) is '1.5D+0D'"});
     refused("a.txt", "1 2 3D\n", {"column 3 (z) is '3D'"});
     for (const std::string text : {"1,234.5", "1.234,5", "1,234,567", "1'234.5"})

@@ -28,7 +28,7 @@ std::string text(const std::string& word) { return word + '\0'; }
 
 std::string vertices(const std::vector<float>& numbers) {
     std::string body = u16(static_cast<int>(numbers.size() / 3));
-    for (const float one : numbers) body += raw(one);
+    for (const float number : numbers) body += raw(number);
     return chunk(0x4110, body);
 }
 std::string faces(const std::vector<std::array<int, 3>>& all) {
@@ -38,7 +38,7 @@ std::string faces(const std::vector<std::array<int, 3>>& all) {
 }
 std::string axes(const std::array<float, 12>& numbers) {
     std::string body;
-    for (const float one : numbers) body += raw(one);
+    for (const float number : numbers) body += raw(number);
     return chunk(0x4160, body);
 }
 std::string mesh(const std::string& name, const std::string& chunks) {
@@ -62,11 +62,11 @@ protected:
 
 TEST_F(ThreeDs, VerticesAreTheFloatsOfTheFile) {
     const LoadedShape loaded = load(file(mesh("a", triangle)));
-    const auto& found = std::get<TriangleMesh>(loaded.shape);
-    ASSERT_EQ(found.triangles.rows(), 1);
+    const auto& shape = std::get<TriangleMesh>(loaded.shape);
+    ASSERT_EQ(shape.triangles.rows(), 1);
     const double x = 0.1F, y = 1e-20F;
-    EXPECT_EQ(found.vertices.row(0), Eigen::RowVector3d(x, y, -3)) << "not turned, as assimp does";
-    EXPECT_EQ(found.vertices.row(2), Eigen::RowVector3d(0, 2, 0));
+    EXPECT_EQ(shape.vertices.row(0), Eigen::RowVector3d(x, y, -3)) << "not turned, as assimp does";
+    EXPECT_EQ(shape.vertices.row(2), Eigen::RowVector3d(0, 2, 0));
     EXPECT_TRUE(loaded.report.float32);
     EXPECT_EQ(loaded.report.unreferenced, 1);
     EXPECT_EQ(loaded.report.stated.up, 0);
@@ -78,10 +78,10 @@ TEST_F(ThreeDs, AxesAndScaleMoveNothing) {
     const std::string turned = axes({0, 1, 0, -1, 0, 0, 0, 0, 1, 5, 6, 7});
     const LoadedShape loaded =
         load(file(chunk(0x0100, raw(25.4F)) + mesh("a", turned + triangle) + mesh("b", triangle)));
-    const auto& found = std::get<TriangleMesh>(loaded.shape);
-    ASSERT_EQ(found.vertices.rows(), 6);
-    EXPECT_EQ(found.vertices.row(1), Eigen::RowVector3d(1, 0, 0));
-    EXPECT_EQ(found.triangles.row(1), (Eigen::Matrix<Index, 1, 3>(3, 4, 5)));
+    const auto& shape = std::get<TriangleMesh>(loaded.shape);
+    ASSERT_EQ(shape.vertices.rows(), 6);
+    EXPECT_EQ(shape.vertices.row(1), Eigen::RowVector3d(1, 0, 0));
+    EXPECT_EQ(shape.triangles.row(1), (Eigen::Matrix<Index, 1, 3>(3, 4, 5)));
     EXPECT_EQ(loaded.report.objects, 2);
     EXPECT_EQ(loaded.report.notes, std::vector<std::string>{"has the master scale 25.4, which changes no coordinate"});
     refused(file(mesh("a", axes({-1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}) + triangle)),

@@ -100,9 +100,9 @@ TEST_F(ThreeMf, UnitsOfTheSpecification) {
 
 TEST_F(ThreeMf, TransformsMultiplyRowVectors) {
     // x' = 2 + 4 y, y' = 3 + 5 x, z' = 7 + z; the determinant is negative, so that the corners change their order.
-    const auto found =
+    const auto points =
         corners(load_model(model(object(1), "<item objectid='1' transform='0 5 0 4 0 0 0 0 1 2 3 7'/>")));
-    EXPECT_EQ(found, (std::vector<Vec3>{{2, 3, 7}, {10, 3, 7}, {2, 8, 7}}));
+    EXPECT_EQ(points, (std::vector<Vec3>{{2, 3, 7}, {10, 3, 7}, {2, 8, 7}}));
 }
 
 TEST_F(ThreeMf, ComponentsAreMovedFromTheInnermostToTheOutermost) {

@@ -44,16 +44,16 @@ protected:
 };
 
 TEST_F(Vrml, VerticesAreReadToTheLastBit) {
-    const auto found = corners(
+    const auto points = corners(
         "# a comment { [ \"\nShape{appearance Appearance{material DEF M-1 Material{diffuseColor .1 .2 .3}}\rgeometry "
         "IndexedFaceSet{"
         "solid FALSE,coord Coordinate{point[0.1,1e-17,+.5 # x\n0.30000000000000004 -2.7182818284590451 "
         "1.7976931348623157e300,3 4 5.]}"
         "coordIndex[0,1 2]creaseAngle .5}}");
-    ASSERT_EQ(found.size(), 3u);
-    EXPECT_EQ(found[0], Vec3(0.1, 1e-17, 0.5));
-    EXPECT_EQ(found[1], Vec3(0.1 + 0.2, -2.718281828459045, 1.7976931348623157e300));
-    EXPECT_EQ(found[2], Vec3(3, 4, 5));
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[0], Vec3(0.1, 1e-17, 0.5));
+    EXPECT_EQ(points[1], Vec3(0.1 + 0.2, -2.718281828459045, 1.7976931348623157e300));
+    EXPECT_EQ(points[2], Vec3(3, 4, 5));
 }
 
 TEST_F(Vrml, TheReportSaysWhatWasThere) {
@@ -150,18 +150,18 @@ TEST_F(Vrml, AnglesOfAnySizeTurnAsTheCosineSays) {
 }
 
 TEST_F(Vrml, TransformsActFromTheInnerToTheOuter) {
-    const auto found = corners(
+    const auto points = corners(
         transform("translation 10 0 0",
                   transform("scale 2 2 2", "Group { children " + transform("translation 0 0 1", triangle) + "}")));
-    EXPECT_EQ(found, (std::vector<Vec3>{{10, 0, 2}, {12, 0, 2}, {10, 4, 2}}));
+    EXPECT_EQ(points, (std::vector<Vec3>{{10, 0, 2}, {12, 0, 2}, {10, 4, 2}}));
 }
 
 TEST_F(Vrml, UseRepeatsWhatDefNamed) {
-    const auto found = corners("DEF T " + triangle + transform("translation 5 0 0", "USE T") +
-                               transform("translation 0 0 7", "USE T USE T"));
-    ASSERT_EQ(found.size(), 12u);
-    EXPECT_EQ(found[4], Vec3(6, 0, 0));
-    EXPECT_EQ(found[6], Vec3(0, 0, 7));
+    const auto points = corners("DEF T " + triangle + transform("translation 5 0 0", "USE T") +
+                                transform("translation 0 0 7", "USE T USE T"));
+    ASSERT_EQ(points.size(), 12u);
+    EXPECT_EQ(points[4], Vec3(6, 0, 0));
+    EXPECT_EQ(points[6], Vec3(0, 0, 7));
     // Vertices may come from a node that is not read itself. If nodes share a name, the last one counts.
     const auto shared = corners(
         "Shape { geometry IndexedLineSet { coord DEF C Coordinate { point [ 9 9 9 ] } } }"

@@ -366,9 +366,9 @@ private:
         constexpr std::size_t block = 16;
         std::string sizes, blocks;
         for (std::size_t i = 0; i < bytes.size(); i += block) {
-            const std::string one = deflated(bytes.substr(i, block));
-            sizes += number(one.size());
-            blocks += one;
+            const std::string compressed = deflated(bytes.substr(i, block));
+            sizes += number(compressed.size());
+            blocks += compressed;
         }
         return code(number((bytes.size() + block - 1) / block) + number(block) + number(bytes.size() % block) + sizes) +
                code(blocks);
@@ -496,28 +496,30 @@ TEST_F(Vtk, XmlThatIsNotReadIsToldWithItsPlace) {
 }
 
 TEST_F(Vtk, XmlMistakesAreToldWithTheirPlace) {
-    const std::string one = "NumberOfPolys=\"1\"";
-    refused("a.vtp", vtp(one, ""), {"line 3", "no <Polys>"});
-    refused("a.vtp", vtp(one, "<Polys/>"), {"line 5", "Name=\"offsets\""});
-    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 4")),
+    const std::string one_polygon = "NumberOfPolys=\"1\"";
+    refused("a.vtp", vtp(one_polygon, ""), {"line 3", "no <Polys>"});
+    refused("a.vtp", vtp(one_polygon, "<Polys/>"), {"line 5", "Name=\"offsets\""});
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3", "0 1 4")),
             {"cell 0 (from 0) names point 4 (from 0), but there are 4"});
-    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 -1")), {"names point -1"});
-    refused("a.vtp", vtp(one, list("Polys", "3", "0 0<!-- -->1 2")), {"line 5", "a comment or CDATA section"});
-    EXPECT_EQ(corners("a.vtp", vtp(one, list("Polys", "3", "0 1<!-- --> 2"))).size(), 3u);
-    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 2") + list("Polys", "3", "0 1 3")),
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3", "0 1 -1")), {"names point -1"});
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3", "0 0<!-- -->1 2")), {"line 5", "a comment or CDATA section"});
+    EXPECT_EQ(corners("a.vtp", vtp(one_polygon, list("Polys", "3", "0 1<!-- --> 2"))).size(), 3u);
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3", "0 1 2") + list("Polys", "3", "0 1 3")),
             {"line 7", "a second <Polys> in one <Piece>"});
-    refused("a.vtp", vtp(one + " NumberOfPolys=\"0\"", list("Polys", "3", "0 1 2")),
+    refused("a.vtp", vtp(one_polygon + " NumberOfPolys=\"0\"", list("Polys", "3", "0 1 2")),
             {"line 3", "the attribute 'NumberOfPolys' twice"});
-    refused("a.vtp", vtp(one, list("Polys", "3", "0 1")), {"line 5", "'connectivity' has 2 numbers instead of 3"});
-    refused("a.vtp", vtp(one, list("Polys", "3 6", "0 1 2")), {"line 6", "'offsets' has 2 numbers instead of 1"});
-    refused("a.vtp", vtp(one, list("Polys", "-3", "0 1 2")), {"last offset is -3"});
-    refused("a.vtp", vtp(one, list("Polys", "999999999999", "0 1 2")),
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3", "0 1")),
+            {"line 5", "'connectivity' has 2 numbers instead of 3"});
+    refused("a.vtp", vtp(one_polygon, list("Polys", "3 6", "0 1 2")),
+            {"line 6", "'offsets' has 2 numbers instead of 1"});
+    refused("a.vtp", vtp(one_polygon, list("Polys", "-3", "0 1 2")), {"last offset is -3"});
+    refused("a.vtp", vtp(one_polygon, list("Polys", "999999999999", "0 1 2")),
             {"'999999999999' is not a number of the type Int32"});
     refused("a.vtp", vtp("NumberOfPolys=\"2\"", list("Polys", "4 3", "0 1 2")), {"offsets of its cells are damaged"});
     refused("a.vtp", vtp("", list("Polys", "3", "0 1 2")), {"line 3", "no attribute NumberOfPolys"});
     refused("a.vtp", vtp("NumberOfPolys=\"-1\"", ""), {"NumberOfPolys"});
     refused("a.vtp", vtp("NumberOfPolys=\"99999999999999999\"", list("Polys", "3", "0 1 2")), {"instead of"});
-    std::string text = vtp(one, list("Polys", "3", "0 1 2"));
+    std::string text = vtp(one_polygon, list("Polys", "3", "0 1 2"));
     const auto changed = [&](const std::string& from, const std::string& to) {
         std::string copy = text;
         return copy.replace(copy.find(from), from.size(), to);

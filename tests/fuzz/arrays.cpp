@@ -161,15 +161,15 @@ private:
     void ask() {
         const std::uint32_t which = in_.below(5);
         const double length = which == 2 ? number() : 0;
-        const hausbench_query asked = query();
+        const hausbench_query spec = query();
         hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
         hausbench_error error = HAUSBENCH_ERROR_INIT;
         hausbench_pair* const pair = pair_.get();
-        if (which == 3) return ask_distribution(asked);
-        if (which == 4) return ask_field(asked);
-        const int code = which == 0   ? hausbench_directed(pair, &asked, &answer, &error)
-                         : which == 1 ? hausbench_symmetric(pair, &asked, &answer, &error)
-                                      : hausbench_within(pair, static_cast<std::int32_t>(length > 1), length, &asked,
+        if (which == 3) return ask_distribution(spec);
+        if (which == 4) return ask_field(spec);
+        const int code = which == 0   ? hausbench_directed(pair, &spec, &answer, &error)
+                         : which == 1 ? hausbench_symmetric(pair, &spec, &answer, &error)
+                                      : hausbench_within(pair, static_cast<std::int32_t>(length > 1), length, &spec,
                                                          &answer, &error);
         const bool well = is_well(code, error);
         expect(well || (answer.bounds.lower == 0 && std::isinf(answer.bounds.upper)), "a refused query has an answer");
@@ -179,7 +179,7 @@ private:
         if (answer.status == HAUSBENCH_ABOVE) expect(answer.bounds.lower > length, "above, but not proven");
     }
 
-    void ask_distribution(const hausbench_query& asked) {
+    void ask_distribution(const hausbench_query& spec) {
         const std::string text(in_.text(in_.byte() % 24));
         const char* const statistics[] = {"mean", text.c_str(), "within 0.5"};
         std::array<hausbench_interval, 3> values{};
@@ -187,16 +187,16 @@ private:
         hausbench_error error = HAUSBENCH_ERROR_INIT;
         const bool named = !text.empty();
         const int code =
-            hausbench_distribution(pair_.get(), statistics, named ? 3 : 1, &asked, values.data(), &answer, &error);
+            hausbench_distribution(pair_.get(), statistics, named ? 3 : 1, &spec, values.data(), &answer, &error);
         if (!is_well(code, error)) return;
         for (std::size_t i = 0; i < (named ? 3 : 1); ++i) expect_interval(values[i]);
     }
 
-    void ask_field(const hausbench_query& asked) {
+    void ask_field(const hausbench_query& spec) {
         std::vector<hausbench_interval> values(vertices_);
         std::vector<std::int64_t> nearest(vertices_);
         hausbench_error error = HAUSBENCH_ERROR_INIT;
-        if (!is_well(hausbench_field(pair_.get(), &asked, values.data(), nearest.data(), &error), error)) return;
+        if (!is_well(hausbench_field(pair_.get(), &spec, values.data(), nearest.data(), &error), error)) return;
         for (const hausbench_interval& value : values) expect_interval(value);
     }
 

@@ -42,7 +42,7 @@ std::vector<exact::RVec3> samples(const Shape& shape) {
     return all;
 }
 
-Known known(Shape a, Shape b) {
+Known measured(Shape a, Shape b) {
     Rational most = 0;
     for (const exact::RVec3& p : samples(a)) most = std::max(most, squared_to(p, b));
     return {{std::move(a), std::move(b)}, most};
@@ -54,10 +54,10 @@ const std::vector<Known>& scenes() {
         const TriangleMesh one = soup(rows({{0, 0, 0}, {2, 0, 0}, {0, 1, 0}}));
         const TriangleMesh two =
             soup(rows({{0, 0, 0.5}, {1, 1, 0.5}, {0.5, 0.5 + 1e-13, 0.5}, {0, 0, 0}, {2, 0, 0.25}, {1, 1e-9, 0}}));
-        list.push_back(known(one, two));
-        list.push_back(known(two, one));
-        list.push_back(known(sheet(2, 0.125, 0.25), cube(0.75)));
-        list.push_back(known(PointSet{lattice(2, 0.5)}, two));
+        list.push_back(measured(one, two));
+        list.push_back(measured(two, one));
+        list.push_back(measured(sheet(2, 0.125, 0.25), cube(0.75)));
+        list.push_back(measured(PointSet{lattice(2, 0.5)}, two));
         return list;
     }();
     return all;
@@ -73,16 +73,16 @@ void expect_plain(std::string_view text) {
 }
 
 // If a file is accepted, its bounds must hold. Its printed description must be plain text in any case.
-void verify_file(CertificateFile content, const Known& one) {
-    content.source.sha256 = content_hash(one.scene.source);  // otherwise every file is refused
-    content.target.sha256 = content_hash(one.scene.target);
-    const CertificateVerdict verdict = verify_certificate(content, one.scene.source, one.scene.target);
+void verify_file(CertificateFile content, const Known& reference) {
+    content.source.sha256 = content_hash(reference.scene.source);  // otherwise every file is refused
+    content.target.sha256 = content_hash(reference.scene.target);
+    const CertificateVerdict verdict = verify_certificate(content, reference.scene.source, reference.scene.target);
     expect(verdict.accepted == verdict.refusal.empty(), "neither accepted nor refused");
     expect_plain(describe(content, verdict));
     // A pose rounds the points, so the exact distance is known only without poses.
     if (!verdict.accepted || !content.source.pose.is_identity() || !content.target.pose.is_identity()) return;
     const Rational proven = verdict.proven;
-    expect(proven * proven >= one.squared, "accepted, although the bound does not hold");
+    expect(proven * proven >= reference.squared, "accepted, although the bound does not hold");
     expect(content.bounds.lower <= verdict.proven, "accepted, although the lower bound does not hold");
     expect(verdict.proven <= content.bounds.upper, "accepted, although the upper bound is not proven");
 }
@@ -95,26 +95,27 @@ void certificates(std::string_view bytes) {
             if (choice == 255) {
                 read_certificate(MemoryFile(in.rest()).path());
             } else {
-                const Known& one = scenes()[in.byte() % scenes().size()];
-                verify_file(read_certificate(MemoryFile(sealed(in.rest())).path()), one);
+                const Known& reference = scenes()[in.byte() % scenes().size()];
+                verify_file(read_certificate(MemoryFile(sealed(in.rest())).path()), reference);
             }
         } catch (const InputError& error) {
             expect_one_line(error);
         }
         return;
     }
-    const Known& one = scenes()[choice % scenes().size()];
+    const Known& reference = scenes()[choice % scenes().size()];
     const double mantissa = 1 + in.byte() / 64.0;
     const double proven = std::ldexp(mantissa, static_cast<int>(in.below(16)) - 12);
     const Certificate certificate{"hausbench cover 1", Witness::Direction::source_to_target, proven,
                                   std::string(in.rest())};
-    const CertificateCheck check = check_certificate(one.scene.source, {}, one.scene.target, {}, certificate);
+    const CertificateCheck check =
+        check_certificate(reference.scene.source, {}, reference.scene.target, {}, certificate);
     expect(check.accepted == check.refusal.empty(), "neither accepted nor refused");
     expect(check.found >= 0, "a bound that is no distance");
     if (check.accepted) expect(check.found <= proven, "accepted, although less is proven");
     if (std::isfinite(check.found)) {
         const Rational bound = check.found;
-        expect(bound * bound >= one.squared, "a bound that does not hold");
+        expect(bound * bound >= reference.squared, "a bound that does not hold");
     }
 }
 

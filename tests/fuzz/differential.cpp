@@ -102,15 +102,15 @@ struct Known {
     Rational longest_edge;  // squared; h <= sqrt(at_samples) + sqrt(longest_edge)
 };
 
-Known known(const Case& one) {
+Known measured(const Case& problem) {
     const auto moved = [](const Shape& shape, const Pose& pose) {
         Shape copy = shape;
         points_of(copy) = posed(points_of(copy), pose);
         return copy;
     };
-    const Shape a = moved(one.scene.source, one.query.source_pose), b = one.scene.target;
+    const Shape a = moved(problem.scene.source, problem.query.source_pose), b = problem.scene.target;
     Known all{squared_at_samples(a, b), squared_longest_edge(a)};
-    if (one.query.quantity == Quantity::symmetric) {
+    if (problem.query.quantity == Quantity::symmetric) {
         all.at_samples = std::max(all.at_samples, squared_at_samples(b, a));
         all.longest_edge = std::max(all.longest_edge, squared_longest_edge(b));
     }
@@ -140,16 +140,16 @@ bool legal(const Query& query, const Result& result) {
     return false;
 }
 
-void check(const Query& query, const Result& result, const Known& known, const std::string& who) {
+void check(const Query& query, const Result& result, const Known& truth, const std::string& who) {
     const Bounds& bounds = result.bounds;
     expect(bounds.lower >= 0 && std::isfinite(bounds.lower) && bounds.upper >= bounds.lower,
            who + ": bounds that are none");
     expect(legal(query, result), who + ": a status that does not fit: " + std::string(to_string(result.status)));
     if (std::isfinite(bounds.upper)) {
         const Rational upper = bounds.upper;
-        expect(upper * upper >= known.at_samples, who + ": the upper bound is below a sample");
+        expect(upper * upper >= truth.at_samples, who + ": the upper bound is below a sample");
     }
-    expect(at_most_sum(Rational(bounds.lower), known.at_samples, known.longest_edge),
+    expect(at_most_sum(Rational(bounds.lower), truth.at_samples, truth.longest_edge),
            who + ": the lower bound is too large");
 }
 
@@ -161,32 +161,32 @@ std::vector<std::pair<const SolverEntry*, std::vector<Options>>> certified(Shape
             continue;
         std::vector<Options> options;
         for (const ParameterMap& given : variants_of(entry)) {
-            const Options one = quick_options(entry, given);
-            if (entry.make(one)->certified()) options.push_back(one);
+            const Options quick = quick_options(entry, given);
+            if (entry.make(quick)->certified()) options.push_back(quick);
         }
         if (!options.empty()) all.emplace_back(&entry, options);
     }
     return all;
 }
 
-void solvers_agree(const Case& one) {
+void solvers_agree(const Case& problem) {
     static const auto of_points = certified(ShapeKind::points), of_meshes = certified(ShapeKind::mesh);
-    const Known truth = known(one);
+    const Known truth = measured(problem);
     double greatest_lower = 0, least_upper = std::numeric_limits<double>::infinity();
     QuerySet queries;
-    queries.moves = !one.query.source_pose.is_identity();
-    queries.symmetric = one.query.quantity == Quantity::symmetric;
-    std::uint32_t turn = one.variant;
-    for (const auto& [entry, options] : kind_of(one.scene.source) == ShapeKind::points ? of_points : of_meshes) {
+    queries.moves = !problem.query.source_pose.is_identity();
+    queries.symmetric = problem.query.quantity == Quantity::symmetric;
+    std::uint32_t turn = problem.variant;
+    for (const auto& [entry, options] : kind_of(problem.scene.source) == ShapeKind::points ? of_points : of_meshes) {
         const Options& chosen = options[turn++ % options.size()];
         std::string who = entry->info.name;
         for (const auto& [name, value] : chosen.values()) who += " " + name + "=" + to_string(value);
         Trace trace;
         const std::clock_t begin = std::clock();
-        const Result result = Session(*entry, chosen, one.scene, queries).solve(one.query, trace);
+        const Result result = Session(*entry, chosen, problem.scene, queries).solve(problem.query, trace);
         const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
         expect(seconds < most_seconds, who + ": takes " + std::to_string(seconds) + " s");
-        check(one.query, result, truth, who);
+        check(problem.query, result, truth, who);
         greatest_lower = std::max(greatest_lower, result.bounds.lower);
         least_upper = std::min(least_upper, result.bounds.upper);
         expect(greatest_lower <= least_upper, who + ": its interval and another do not overlap");

@@ -26,15 +26,15 @@ void journals(std::string_view bytes) {
     const bool as_it_is = !bytes.empty() && bytes[0] == '!';  // with the checksums in the bytes
     const MemoryFile file(as_it_is ? std::string(bytes.substr(1)) : with_checksums(bytes));
     try {
-        std::size_t known = 0;
+        std::size_t kept = 0;
         {
             Journal journal(file.path());
-            known = journal.outcomes().size();
-            if (known > 0) journal.append({"again", 0}, Outcome(journal.outcomes().begin()->second));
-            known = journal.outcomes().size();
+            kept = journal.outcomes().size();
+            if (kept > 0) journal.append({"again", 0}, Outcome(journal.outcomes().begin()->second));
+            kept = journal.outcomes().size();
         }
         const Journal again(file.path());
-        expect(again.outcomes().size() == known, "the journal has lost an outcome");
+        expect(again.outcomes().size() == kept, "the journal has lost an outcome");
     } catch (const InputError& error) {
         expect_one_line(error);
     }

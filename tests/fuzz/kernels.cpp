@@ -25,33 +25,32 @@ bool at_most(const Rational& squared, const Rational& length) { return squared <
 void check_one(const Vec3& p, const Triangle& t, const Vec3& guess) {
     double m = 0;
     for (const Vec3& v : {t.a, t.b, t.c, p}) m = std::max(m, v.cwiseAbs().maxCoeff());
-    const TrianglePoint found = closest_point(p, t);
+    const TrianglePoint foot = closest_point(p, t);
     const Rational squared = squared_to(p, t);
     const Box box = box_of(t);
-    expect((found.point.array() >= box.low.array()).all() && (found.point.array() <= box.high.array()).all(),
+    expect((foot.point.array() >= box.low.array()).all() && (foot.point.array() <= box.high.array()).all(),
            "the foot is outside the triangle's box");
-    expect(found.squared_distance == squared_length(p - found.point),
-           "a squared distance that is not that of the foot");
-    expect(squared_distance_to_box(p, box) <= found.squared_distance, "the box is farther than the triangle");
+    expect(foot.squared_distance == squared_length(p - foot.point), "a squared distance that is not that of the foot");
+    expect(squared_distance_to_box(p, box) <= foot.squared_distance, "the box is farther than the triangle");
     if (m < smallest_safe_magnitude || m > largest_safe_magnitude) return;
-    expect(at_most(squared, surface_distance_at_most(found.squared_distance, m, 0)), "the upper bound does not hold");
-    expect(at_most(squared_to(found.point, t), 7 * Rational(unit_roundoff) * Rational(m)),
+    expect(at_most(squared, surface_distance_at_most(foot.squared_distance, m, 0)), "the upper bound does not hold");
+    expect(at_most(squared_to(foot.point, t), 7 * Rational(unit_roundoff) * Rational(m)),
            "the foot is off the triangle");
-    for (const Vec3& q : {found.point, guess}) {
+    for (const Vec3& q : {foot.point, guess}) {
         const Rational low = distance_certainly_at_least(p, t, q);
         expect(low <= 0 || low * low <= squared, "the lower bound does not hold");
     }
     // |p - foot| <= d + 10uM was found by tests, not proven (u = 2^-53; M: the largest |coordinate|; d: the distance).
     const Rational above =
-        Rational(distance_at_least(found.squared_distance, true)) - 10 * Rational(unit_roundoff) * Rational(m);
+        Rational(distance_at_least(foot.squared_distance, true)) - 10 * Rational(unit_roundoff) * Rational(m);
     expect(above <= 0 || above * above <= squared, "the foot is too far");
 }
 
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-void check_lane(const BlockFeet& feet, int lane, const TrianglePoint& one) {
-    expect(same(feet.squared_distance[lane], one.squared_distance), "eight at a time: another distance");
-    for (int k = 0; k < 3; ++k) expect(same(feet.point[k][lane], one.point[k]), "eight at a time: another foot");
+void check_lane(const BlockFeet& feet, int lane, const TrianglePoint& foot) {
+    expect(same(feet.squared_distance[lane], foot.squared_distance), "eight at a time: another distance");
+    for (int k = 0; k < 3; ++k) expect(same(feet.point[k][lane], foot.point[k]), "eight at a time: another foot");
 }
 
 void kernels(std::string_view bytes) {

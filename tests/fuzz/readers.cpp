@@ -24,7 +24,7 @@ void expect_valid(const LoadedShape& loaded) {
         expect(corner >= 0 && corner < points.rows(), "an index out of range");
         used[static_cast<std::size_t>(corner)] = true;
     }
-    for (const bool one : used) expect(one, "a vertex of no triangle");
+    for (const bool is_used : used) expect(is_used, "a vertex of no triangle");
 }
 
 void readers(std::string_view bytes) {
@@ -58,8 +58,8 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 // Changes the file, and keeps its format.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned) {
-    const auto* const found = std::find(data, data + size, std::uint8_t{'\n'});
-    const auto head = std::min(static_cast<std::size_t>(found - data) + 1, size);
+    const auto* const newline = std::find(data, data + size, std::uint8_t{'\n'});
+    const auto head = std::min(static_cast<std::size_t>(newline - data) + 1, size);
     return head + LLVMFuzzerMutate(data + head, size - head, most - head);
 }
 #endif

@@ -20,10 +20,10 @@ using Column = std::variant<std::vector<std::string>, std::vector<std::int64_t>,
 
 Row row(int number) {
     Row made;
-    made.asked.solver = made.asked.label = "guthe";
-    made.asked.options = {{"split", std::string("midpoint")}, {"certify", true}};
-    made.asked.scene = "scene", made.asked.source = "a", made.asked.target = "b";
-    made.asked.pose_index = number;
+    made.spec.solver = made.spec.label = "guthe";
+    made.spec.options = {{"split", std::string("midpoint")}, {"certify", true}};
+    made.spec.scene = "scene", made.spec.source = "a", made.spec.target = "b";
+    made.spec.pose_index = number;
     Outcome& outcome = made.outcome;
     outcome.status = number == 0 ? RowStatus::ok : RowStatus::timeout;
     outcome.bounds = {1, 2};
@@ -190,9 +190,9 @@ void results(std::string_view bytes) {
     try {
         const ResultFile result = read_result(file);
         std::size_t held = 0;
-        for (const Row& one : result.rows) {
-            expect(static_cast<int>(one.outcome.status) < count_of<RowStatus>, "a status that is none");
-            for (const Field& field : one.fields) held += field.values.size();
+        for (const Row& row : result.rows) {
+            expect(static_cast<int>(row.outcome.status) < count_of<RowStatus>, "a status that is none");
+            for (const Field& field : row.fields) held += field.values.size();
         }
         expect(held <= values, "more values of fields than the file holds");
     } catch (const InputError& error) {

@@ -52,9 +52,9 @@ Result by_session(const char* solver, const Shape& a, const Shape& b, double tol
     return session.solve(query, trace);
 }
 
-void expect_same_bits(const hausbench_interval& found, const Bounds& expected) {
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(found.lower), std::bit_cast<std::uint64_t>(expected.lower));
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(found.upper), std::bit_cast<std::uint64_t>(expected.upper));
+void expect_same_bits(const hausbench_interval& actual, const Bounds& expected) {
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(actual.lower), std::bit_cast<std::uint64_t>(expected.lower));
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(actual.upper), std::bit_cast<std::uint64_t>(expected.upper));
 }
 
 const std::vector<double> two_points = {0, 0, 0, 3, 4, 0}, origin = {0, 0, 0};
@@ -89,8 +89,8 @@ TEST(Library, HasTheBitsOfASession) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         const TriangleMesh a = random_mesh(seed, 12), b = random_mesh(seed + 100, 20, seed % 3 == 0 ? 40 : 1);
         const double length = 1e-6 * diagonal(a.vertices);
-        const ShapeHandle one = handle_of(a), other = handle_of(b);
-        const PairHandle pair = pair_of(one, other);
+        const ShapeHandle source = handle_of(a), target = handle_of(b);
+        const PairHandle pair = pair_of(source, target);
         const Result there = by_session("cover", a, b, length), back = by_session("cover", b, a, length);
         expect_same_bits(directed(pair).bounds, there.bounds);
         expect_same_bits(symmetric(pair).bounds, {std::max(there.bounds.lower, back.bounds.lower),
@@ -106,23 +106,23 @@ TEST(Library, ToleranceOfASinglePointIsAFractionOfBothShapes) {
     const PointSet middle{rows({Vec3(14.3, 14.2, 0)})};
     const ShapeHandle point = shape_of({14.3, 14.2, 0}), mesh = handle_of(large);
     for (const bool back : {false, true}) {
-        hausbench_interval found = directed(back ? pair_of(mesh, point) : pair_of(point, mesh), coarse).bounds;
+        hausbench_interval interval = directed(back ? pair_of(mesh, point) : pair_of(point, mesh), coarse).bounds;
         const double length = 1e-3 * diagonal(large.vertices);
         expect_same_bits(
-            found,
+            interval,
             (back ? by_session("cover", large, middle, length) : by_session("cover", middle, large, length)).bounds);
     }
     coarse.tolerance = 0.25;
-    const ShapeHandle one = shape_of(origin), other = shape_of({0, 0, 0, 0, 0, 0});
-    const hausbench_answer answer = directed(pair_of(one, other), coarse);  // no extent at all: a length
+    const ShapeHandle source = shape_of(origin), target = shape_of({0, 0, 0, 0, 0, 0});
+    const hausbench_answer answer = directed(pair_of(source, target), coarse);  // no extent at all: a length
     EXPECT_EQ(answer.status, HAUSBENCH_CONVERGED);
     EXPECT_LE(answer.bounds.upper, 0.25);
 }
 
 TEST(Library, UnitsOfTheTolerance) {
     const TriangleMesh a = sheet(8, 0), b = sheet(8, 1, 0.4);
-    const ShapeHandle one = handle_of(a), other = handle_of(b);
-    const PairHandle pair = pair_of(one, other);
+    const ShapeHandle source = handle_of(a), target = handle_of(b);
+    const PairHandle pair = pair_of(source, target);
     hausbench_query query = initial_query();
     query.tolerance = 1e-3;
     query.relative_to = HAUSBENCH_OF_LENGTH;
@@ -425,9 +425,9 @@ TEST(Interrupt, OnlyItsOwnThreadCallsTheHook) {
         int calls = 0, rounding = -1;
     } seen;
     const auto hook = [](void* data) {
-        auto& one = *static_cast<Seen*>(data);
-        ++one.calls;
-        one.rounding = std::fegetround();
+        auto& record = *static_cast<Seen*>(data);
+        ++record.calls;
+        record.rounding = std::fegetround();
         return 1;
     };
     const Interrupt interrupt(hook, &seen);
@@ -600,14 +600,14 @@ TEST(Library, EndsAtTheTimeLimit) {
 TEST(Library, SeveralThreadsMayShareAPair) {
     const ShapeHandle a = handle_of(sheet(12, 0, 0.3)), b = handle_of(sheet(13, 1, 0.3));
     const PairHandle alone = pair_of(a, b), shared = pair_of(a, b, nullptr, HAUSBENCH_NOTHING);
-    const hausbench_answer one = directed(alone), both = symmetric(alone);
+    const hausbench_answer forward = directed(alone), both = symmetric(alone);
     std::atomic<int> different{0};
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&] {
             for (int i = 0; i < 10; ++i) {
                 const PairHandle fresh = pair_of(b, a);  // over the same shapes
-                different += directed(shared).bounds.lower != one.bounds.lower;
+                different += directed(shared).bounds.lower != forward.bounds.lower;
                 different += symmetric(shared).bounds.upper != both.bounds.upper;
                 different += symmetric(fresh).bounds.upper != both.bounds.upper;
             }
@@ -623,11 +623,11 @@ TEST(Library, DoesNotDependOnTheArithmeticOfTheCaller) {
     const unsigned before = _mm_getcsr();
     _mm_setcsr((before & ~0x6000u) | 0x8040u | 0x4000u);  // subnormal numbers are 0, rounding upward
     const unsigned set = _mm_getcsr() & 0xe040u;
-    const hausbench_answer found = directed(pair_of(a, b));
+    const hausbench_answer answer = directed(pair_of(a, b));
     const unsigned after = _mm_getcsr() & 0xe040u;
     _mm_setcsr(before);
     EXPECT_EQ(after, set);
-    expect_same_bits(found.bounds, {expected.bounds.lower, expected.bounds.upper});
+    expect_same_bits(answer.bounds, {expected.bounds.lower, expected.bounds.upper});
     EXPECT_GT(expected.bounds.lower, 0);
 }
 #endif
@@ -697,9 +697,9 @@ TEST(LibraryFiles, WithoutOptionsTheNumbersCount) {
     expect_ok(hausbench_read(file.c_str(), &plain, &error), error);
     hausbench_shape* null = nullptr;
     expect_ok(hausbench_read_with(file.c_str(), nullptr, &null, &error), error);
-    const ShapeHandle one(plain), other(null), third = read_shape(file);
+    const ShapeHandle first(plain), second(null), third = read_shape(file);
     const std::vector<double> expected = {0, 0, 0, 1, 2, 0, 0, 1, 3};
-    for (const ShapeHandle* shape : {&one, &other, &third}) {
+    for (const ShapeHandle* shape : {&first, &second, &third}) {
         EXPECT_EQ(vertices_of(*shape), expected);
         const hausbench_description about = description_of(*shape);
         EXPECT_EQ(about.faces, 1);
@@ -835,14 +835,14 @@ TEST(LibraryFiles, ArraysMayStateAUnit) {
         hausbench_error error = HAUSBENCH_ERROR_INIT;
         expect_ok(hausbench_shape_stating(&v, nullptr, &about, &made, &error), error);
         const ShapeHandle first(made);
-        const hausbench_description found = description_of(first);
-        EXPECT_EQ(found.unit, unit);
-        EXPECT_EQ(found.up, 'X');
-        EXPECT_EQ(found.segments, 1);
-        EXPECT_EQ(found.single_points, 2);
-        EXPECT_EQ(found.dropped_points, 3);
-        EXPECT_EQ(found.dropped_faces, 4);
-        expect_ok(hausbench_shape_stating(&v, nullptr, &found, &made, &error), error);
+        const hausbench_description description = description_of(first);
+        EXPECT_EQ(description.unit, unit);
+        EXPECT_EQ(description.up, 'X');
+        EXPECT_EQ(description.segments, 1);
+        EXPECT_EQ(description.single_points, 2);
+        EXPECT_EQ(description.dropped_points, 3);
+        EXPECT_EQ(description.dropped_faces, 4);
+        expect_ok(hausbench_shape_stating(&v, nullptr, &description, &made, &error), error);
         const ShapeHandle second(made);
         EXPECT_EQ(directed(pair_of(first, second)).bounds.lower, 0);
         about.unit = 0.5;

@@ -63,11 +63,11 @@ TEST(Wrapper, BoundsStatisticsAndFields) {
     const Pair pair = tent_over_square();
     Query query;
     query.tolerance = 1e-3;
-    const hausbench::Distribution found = pair.distribution({"mean", "maximum"}, query);
-    ASSERT_EQ(found.values.size(), 2);
-    expect_contains(found.values[0], 1.0 / 3);
-    expect_contains(found.values[1], 1);
-    EXPECT_EQ(found.answer.bounds.lower, found.values[0].lower);
+    const hausbench::Distribution result = pair.distribution({"mean", "maximum"}, query);
+    ASSERT_EQ(result.values.size(), 2);
+    expect_contains(result.values[0], 1.0 / 3);
+    expect_contains(result.values[1], 1);
+    EXPECT_EQ(result.answer.bounds.lower, result.values[0].lower);
     const hausbench::Field field = pair.field();
     ASSERT_EQ(field.values.size(), tent.size());
     ASSERT_EQ(field.nearest.size(), tent.size());

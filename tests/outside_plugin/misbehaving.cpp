@@ -59,7 +59,7 @@ void lie(const std::string& how, Result& result) {
     result.status = Status::converged;
     if (how == "wide") bounds = {0, 4e9};
     if (how == "false proof") {
-        for (Certificate& one : result.certificates) one.proven *= 0.5;
+        for (Certificate& certificate : result.certificates) certificate.proven *= 0.5;
     }
     if (how == "wide, no cutoff") bounds = {0, 4e9}, result.status = Status::above_cutoff;
 }

@@ -25,11 +25,11 @@ public:
         Result result;
         const Points a = posed(points_of(scene_->source), query.source_pose);
         for (Index i = 0; i < a.rows(); ++i) {
-            const ClosestPoint found = octree_->closest(a.row(i), {}, result.counters);
-            const double distance = std::sqrt(found.squared_distance) * (1 - 1e-12);
+            const ClosestPoint nearest = octree_->closest(a.row(i), {}, result.counters);
+            const double distance = std::sqrt(nearest.squared_distance) * (1 - 1e-12);
             if (distance <= result.bounds.lower) continue;
             result.bounds.lower = distance;
-            result.witness = {a.row(i), found.point, -1, found.triangle};
+            result.witness = {a.row(i), nearest.point, -1, nearest.triangle};
         }
         result.status = Status::budget;
         return result;

@@ -93,13 +93,13 @@ TEST(Memory, PagesThatForksShareCountOnce) {
     ASSERT_EQ(::pipe(go) | ::pipe(done), 0);
     Launch launch;
     launch.work = [&](int) {
-        std::vector<char> own(std::size_t(bytes), 1);
+        std::vector<char> pages(std::size_t(bytes), 1);
         for (int i = 0; i < 3; ++i) {
             if (::fork() != 0) continue;
             char byte = 1;
             if (::write(done[1], &byte, 1) != 1 || ::read(go[0], &byte, 1) != 1) ::_exit(1);
-            for (std::size_t at = 0; at < own.size(); at += 4096) own[at] = 2;
-            if (::write(done[1], &own[4096], 1) != 1) ::_exit(1);
+            for (std::size_t at = 0; at < pages.size(); at += 4096) pages[at] = 2;
+            if (::write(done[1], &pages[4096], 1) != 1) ::_exit(1);
             ::pause();
         }
         ::pause();

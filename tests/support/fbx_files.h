@@ -55,14 +55,14 @@ inline Nodes document(Nodes objects, Nodes connections, Nodes settings = {}, Nod
 
 inline std::string text_of(const Value& value) {
     return std::visit(
-        [](const auto& one) -> std::string {
-            using T = std::decay_t<decltype(one)>;
+        [](const auto& content) -> std::string {
+            using T = std::decay_t<decltype(content)>;
             if constexpr (std::is_same_v<T, std::string>)
-                return "\"" + one + "\"";
+                return "\"" + content + "\"";
             else if constexpr (std::is_arithmetic_v<T>)
-                return fmt::format("{}", one);
+                return fmt::format("{}", content);
             else
-                return fmt::format("*{} {{\n\ta: {}\n}}", one.size(), fmt::join(one, ","));
+                return fmt::format("*{} {{\n\ta: {}\n}}", content.size(), fmt::join(content, ","));
         },
         value);
 }
@@ -112,7 +112,7 @@ private:
         put(static_cast<std::uint8_t>(node.name.size()));
         bytes_ += node.name;
         const std::size_t values = bytes_.size();
-        for (const Value& value : node.values) std::visit([&](const auto& one) { write_value(one); }, value);
+        for (const Value& value : node.values) std::visit([&](const auto& content) { write_value(content); }, value);
         set_size(start + 2 * width, bytes_.size() - values);
         for (const Node& child : node.children) write(child);
         if (!node.children.empty()) end_list();

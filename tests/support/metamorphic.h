@@ -146,12 +146,12 @@ inline Shape with_lone_vertices(const Shape& shape) {
 struct ScalesWithPowersOfTwo : Relation {
     using Relation::Relation;
     void check() override {
-        const Bounds one = h(on_.a, on_.b);
+        const Bounds original = h(on_.a, on_.b);
         for (const int k : {-300, -3, 1, 40, 300}) {
             const double by = std::ldexp(1.0, k);
             const auto scale = [&](const Vec3& p) { return Vec3(by * p); };
             const Bounds many = h(moved(on_.a, scale), moved(on_.b, scale), by);
-            expect_same_bits({by * one.lower, by * one.upper}, many, fmt::format("scaled by 2^{}", k));
+            expect_same_bits({by * original.lower, by * original.upper}, many, fmt::format("scaled by 2^{}", k));
         }
     }
 };
@@ -159,11 +159,11 @@ struct ScalesWithPowersOfTwo : Relation {
 struct ForgetsTheOrder : Relation {
     using Relation::Relation;
     void check() override {
-        const Bounds one = h(on_.a, on_.b);
+        const Bounds original = h(on_.a, on_.b);
         for (const std::uint64_t seed : {1, 2}) {
             const Bounds other = h(reordered(on_.a, seed), reordered(on_.b, seed + 10));
-            expect_same(one, other, "in another order");
-            if (exact_) expect_same_bits(one, other, "in another order, bit for bit");
+            expect_same(original, other, "in another order");
+            if (exact_) expect_same_bits(original, other, "in another order, bit for bit");
         }
     }
 };
@@ -171,10 +171,10 @@ struct ForgetsTheOrder : Relation {
 struct MovesAlong : Relation {
     using Relation::Relation;
     void check() override {
-        const Bounds one = h(on_.a, on_.b);
+        const Bounds original = h(on_.a, on_.b);
         for (const Vec3& by : {Vec3(0.25, -0.5, 1), Vec3(-4096, 1 + 0x1p-16, 65536)}) {
             const auto move = [&](const Vec3& p) { return Vec3(p + by); };
-            expect_same(one, h(moved(on_.a, move), moved(on_.b, move)), fmt::format("moved by {} in z", by[2]));
+            expect_same(original, h(moved(on_.a, move), moved(on_.b, move)), fmt::format("moved by {} in z", by[2]));
         }
     }
 };
@@ -182,9 +182,10 @@ struct MovesAlong : Relation {
 struct TurnsAlong : Relation {
     using Relation::Relation;
     void check() override {
-        const Bounds one = h(on_.a, on_.b);
+        const Bounds original = h(on_.a, on_.b);
         const auto expect_turned = [&](const char* axis, auto&& turn) {
-            expect_same(one, h(moved(on_.a, turn), moved(on_.b, turn)), std::string("a quarter turn about ") + axis);
+            expect_same(original, h(moved(on_.a, turn), moved(on_.b, turn)),
+                        std::string("a quarter turn about ") + axis);
         };
         expect_turned("x", [](const Vec3& p) { return Vec3(p[0], -p[2], p[1]); });
         expect_turned("y", [](const Vec3& p) { return Vec3(p[2], p[1], -p[0]); });
@@ -208,11 +209,11 @@ struct ForgetsTheCuts : Relation {
     using Relation::Relation;
     void check() override {
         if (points()) return;
-        const Bounds one = h(on_.a, on_.b), of_a = h(subdivided(on_.a), on_.b), of_b = h(on_.a, subdivided(on_.b));
-        expect_same(one, of_a, "A cut finer");
-        expect_same(one, of_b, "B cut finer");
+        const Bounds original = h(on_.a, on_.b), of_a = h(subdivided(on_.a), on_.b), of_b = h(on_.a, subdivided(on_.b));
+        expect_same(original, of_a, "A cut finer");
+        expect_same(original, of_b, "B cut finer");
         const Truth truth = truth_of({on_.a, on_.b}, 1e-5L);
-        for (const Bounds& bounds : {one, of_a, of_b})
+        for (const Bounds& bounds : {original, of_a, of_b})
             expect(encloses(bounds, truth, 0), bounds, {double(truth.low), double(truth.high)}, "the truth");
     }
 };
@@ -257,14 +258,14 @@ struct IsZeroOfItself : Relation {
 struct ForgetsCopies : Relation {
     using Relation::Relation;
     void check() override {
-        const Bounds one = h(on_.a, on_.b);
+        const Bounds original = h(on_.a, on_.b);
         const Bounds twice = h(joined(on_.a, on_.a), on_.b), onto = h(on_.a, joined(on_.b, on_.b));
-        expect_same(one, twice, "all of A twice");
-        expect_same(one, onto, "all of B twice");
-        if (exact_) expect_same_bits(one, twice, "all of A twice, bit for bit");
+        expect_same(original, twice, "all of A twice");
+        expect_same(original, onto, "all of B twice");
+        if (exact_) expect_same_bits(original, twice, "all of A twice, bit for bit");
         if (points()) return;
-        expect_same(one, h(with_lone_vertices(on_.a), with_lone_vertices(on_.b)), "vertices of no face");
-        expect_same(one, h(unshared(on_.a), unshared(on_.b)), "each triangle with corners of its own");
+        expect_same(original, h(with_lone_vertices(on_.a), with_lone_vertices(on_.b)), "vertices of no face");
+        expect_same(original, h(unshared(on_.a), unshared(on_.b)), "each triangle with corners of its own");
     }
 };
 

@@ -68,9 +68,9 @@ inline Soups soups(std::uint64_t seed, std::uint64_t number) {
     Random random(seed * 0x100000001 + number);
     for (int i = 0; i < 4; ++i) random.bits();
     Soups made;
-    for (auto* one : {&made.b, &made.a})
+    for (auto* soup : {&made.b, &made.a})
         for (Index count = 1 + random.below(4); count > 0; --count)
-            one->push_back(triangle(random, one == &made.a && random.below(4) == 0 ? made.b : *one));
+            soup->push_back(triangle(random, soup == &made.a && random.below(4) == 0 ? made.b : *soup));
     return made;
 }
 

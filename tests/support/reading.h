@@ -50,12 +50,12 @@ protected:
     }
 
     // Expects as many points as in `where`, and no coordinate that differs by more than `off`. Shows `what` on failure.
-    static void expect_near(const std::vector<Vec3>& found, const std::vector<Vec3>& where, double off,
+    static void expect_near(const std::vector<Vec3>& points, const std::vector<Vec3>& where, double off,
                             const std::string& what = "") {
-        ASSERT_EQ(found.size(), where.size()) << what;
+        ASSERT_EQ(points.size(), where.size()) << what;
         for (std::size_t i = 0; i < where.size(); ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
-                << what << ", corner " << i << ": " << found[i].transpose();
+            EXPECT_LE((points[i] - where[i]).cwiseAbs().maxCoeff(), off)
+                << what << ", corner " << i << ": " << points[i].transpose();
     }
 
     // Returns whether a note contains `part`.

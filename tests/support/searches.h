@@ -9,8 +9,8 @@
 namespace hausbench {
 
 inline bool whole_searches() {
-    const char* asked = std::getenv("HAUSBENCH_SEARCHES");
-    return asked && std::string_view(asked) == "all";
+    const char* setting = std::getenv("HAUSBENCH_SEARCHES");
+    return setting && std::string_view(setting) == "all";
 }
 
 inline int tries(int all) { return whole_searches() ? all : all / 5; }

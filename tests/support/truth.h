@@ -119,12 +119,12 @@ inline void points(const Points& source, const Points& target, const Pair& w, do
 inline void meshes(const TriangleMesh& source, const TriangleMesh& target, const Pair& w, double lower,
                    const std::string& where) {
     const Real slack = 1e-13L * std::max(magnitude(source.vertices), magnitude(target.vertices));
-    const auto one = [](const TriangleMesh& mesh, Index i) {
+    const auto triangle_of = [](const TriangleMesh& mesh, Index i) {
         return MeshReference(TriangleMesh{mesh.vertices, mesh.triangles.row(i)});
     };
     const auto far = MeshReference::vector(w.far), near = MeshReference::vector(w.near);
-    EXPECT_LE(one(source, w.far_element).distance(far), slack) << where;
-    EXPECT_LE(one(target, w.near_element).distance(near), slack) << where;
+    EXPECT_LE(triangle_of(source, w.far_element).distance(far), slack) << where;
+    EXPECT_LE(triangle_of(target, w.near_element).distance(near), slack) << where;
     for (Index v = 0; v < source.vertices.rows(); ++v) {
         if (Vec3(source.vertices.row(v)) != w.far) continue;
         const exact::Rational low = lower;  // to the last bit, because the point is exactly on the shape

@@ -45,28 +45,30 @@ inline std::string zip_archive(const std::vector<ZipEntry>& entries, const std::
     constexpr std::uint64_t elsewhere = 0xffffffff;
     std::string all, directory;
     bool zip64 = false;
-    for (const ZipEntry& one : entries) {
-        const std::string packed = one.deflated ? raw_deflate(one.bytes) : one.bytes;
+    for (const ZipEntry& entry : entries) {
+        const std::string packed = entry.deflated ? raw_deflate(entry.bytes) : entry.bytes;
         const std::uint64_t crc =
-            crc32(0, reinterpret_cast<const Bytef*>(one.bytes.data()), static_cast<uInt>(one.bytes.size())) ^
-            (one.wrong_checksum ? 1U : 0U);
-        const std::uint64_t size = one.said_size < 0 ? one.bytes.size() : static_cast<std::uint64_t>(one.said_size);
-        const auto method = static_cast<std::uint64_t>(one.method < 0 ? (one.deflated ? 8 : 0) : one.method);
+            crc32(0, reinterpret_cast<const Bytef*>(entry.bytes.data()), static_cast<uInt>(entry.bytes.size())) ^
+            (entry.wrong_checksum ? 1U : 0U);
+        const std::uint64_t size =
+            entry.said_size < 0 ? entry.bytes.size() : static_cast<std::uint64_t>(entry.said_size);
+        const auto method = static_cast<std::uint64_t>(entry.method < 0 ? (entry.deflated ? 8 : 0) : entry.method);
         const auto shared = [&](bool far) {
-            return little_endian(20, 2) + little_endian(one.flags, 2) + little_endian(method, 2) + little_endian(0, 4) +
-                   little_endian(crc, 4) + little_endian(far ? elsewhere : packed.size(), 4) +
+            return little_endian(20, 2) + little_endian(entry.flags, 2) + little_endian(method, 2) +
+                   little_endian(0, 4) + little_endian(crc, 4) + little_endian(far ? elsewhere : packed.size(), 4) +
                    little_endian(far ? elsewhere : size, 4);
         };
-        const std::string local = one.other_name.empty() ? one.name : one.other_name;
-        const std::string extra = one.zip64 ? little_endian(0x9999, 2) + little_endian(1, 2) + "x" +
-                                                  little_endian(1, 2) + little_endian(24, 2) + little_endian(size, 8) +
-                                                  little_endian(packed.size(), 8) + little_endian(all.size(), 8)
-                                            : "";
-        directory += "PK\x01\x02" + little_endian(20, 2) + shared(one.zip64) + little_endian(one.name.size(), 2) +
+        const std::string local = entry.other_name.empty() ? entry.name : entry.other_name;
+        const std::string extra = entry.zip64
+                                      ? little_endian(0x9999, 2) + little_endian(1, 2) + "x" + little_endian(1, 2) +
+                                            little_endian(24, 2) + little_endian(size, 8) +
+                                            little_endian(packed.size(), 8) + little_endian(all.size(), 8)
+                                      : "";
+        directory += "PK\x01\x02" + little_endian(20, 2) + shared(entry.zip64) + little_endian(entry.name.size(), 2) +
                      little_endian(extra.size(), 2) + little_endian(0, 10) +
-                     little_endian(one.zip64 ? elsewhere : all.size(), 4) + one.name + extra;
+                     little_endian(entry.zip64 ? elsewhere : all.size(), 4) + entry.name + extra;
         all += "PK\x03\x04" + shared(false) + little_endian(local.size(), 2) + little_endian(0, 2) + local + packed;
-        zip64 = zip64 || one.zip64;
+        zip64 = zip64 || entry.zip64;
     }
     const std::uint64_t at = all.size(), count = entries.size();
     all += directory;

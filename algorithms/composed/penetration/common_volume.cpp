@@ -47,23 +47,23 @@ Corners sorted(Corners corners) {
 // Records, while CGAL intersects two meshes, which triangles of the common volume come from A, and whether any
 // triangles of A and B are coplanar.
 struct Origins : pmp::Corefinement::Default_visitor<SurfaceMesh> {
-    struct Found {
+    struct Record {
         std::map<Face, bool> of_source;
         bool coplanar = false;
     };
 
-    Origins(const SurfaceMesh& source, Found& found) : source_(&source), found_(&found) {}
+    Origins(const SurfaceMesh& source, Record& record) : source_(&source), record_(&record) {}
 
     void after_face_copy(Face, const SurfaceMesh& from, Face copy, SurfaceMesh&) {
-        found_->of_source[copy] = &from == source_;
+        record_->of_source[copy] = &from == source_;
     }
     void start_handling_intersection_of_coplanar_faces(std::size_t pairs) const {
-        found_->coplanar = found_->coplanar || pairs > 0;
+        record_->coplanar = record_->coplanar || pairs > 0;
     }
 
 private:
     const SurfaceMesh* source_;
-    Found* found_;
+    Record* record_;
 };
 
 // Builds a mesh from triangles of other meshes; its triangles share vertices.
@@ -107,9 +107,9 @@ double size_of(const CommonPart& part) {
 // Splits the common volume into connected parts, and the boundary of each part into its triangles from A and from B.
 // `target` is B after corefinement, which cuts coplanar triangles of A and B alike. So a triangle of A that is also a
 // triangle of B has the same corners in `target`.
-std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Found& found) {
+std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Record& record) {
     std::set<Corners> of_target;
-    if (found.coplanar)
+    if (record.coplanar)
         for (const Face face : target.faces()) of_target.insert(sorted(corners_of(target, face)));
     std::map<Face, std::size_t> surface;
     std::size_t count =
@@ -121,8 +121,8 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
     std::vector<std::array<Collector, 2>> sides(count);
     for (const Face face : volume.faces()) {
         auto& [of_a, of_b] = sides[surface.at(face)];
-        const bool of_source = found.of_source.at(face);
-        const bool shared = of_source && found.coplanar && of_target.contains(sorted(corners_of(volume, face)));
+        const bool of_source = record.of_source.at(face);
+        const bool shared = of_source && record.coplanar && of_target.contains(sorted(corners_of(volume, face)));
         (of_source ? of_a : of_b).add(volume, face);
         if (WATCHED("common_volume: what lies in one plane bounds the volume on both sides", shared))
             of_b.add(volume, face);
@@ -207,16 +207,16 @@ std::size_t Solid::bytes() const {
 
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose) {
     SurfaceMesh a = VolumeCutting::placed(source, source_pose), b = VolumeCutting::placed(target, target_pose), volume;
-    Origins::Found found;
+    Origins::Record record;
     CommonVolume common;
     try {
         const bool cut = pmp::corefine_and_compute_intersection(
-            a, b, volume, CGAL::parameters::visitor(Origins(a, found)).throw_on_self_intersection(true));
+            a, b, volume, CGAL::parameters::visitor(Origins(a, record)).throw_on_self_intersection(true));
         if (!cut) {
             common.failure = "the common volume is not a manifold (parts of it meet in an edge or a point)";
             return common;
         }
-        common.parts = parts_of(volume, b, found);
+        common.parts = parts_of(volume, b, record);
     } catch (const pmp::Corefinement::Self_intersection_exception&) {
         common.failure = "a mesh crosses itself in this pose, where the two meet";
         return common;

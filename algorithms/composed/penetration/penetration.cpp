@@ -54,12 +54,13 @@ public:
         const double cut = clock.elapsed();
         std::size_t measured = 0;
         for (std::size_t i = 0; i < common.parts.size(); ++i) {
-            Query asked = query;
-            asked.time_limit = clock.left(query.time_limit);
-            if (!each_part_) asked.floor = std::max(query.floor, result.bounds.lower);
+            Query part_query = query;
+            part_query.time_limit = clock.left(query.time_limit);
+            if (!each_part_) part_query.floor = std::max(query.floor, result.bounds.lower);
             // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
-            if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
-            const Result part = measure(common.parts[i], asked);
+            if (query.floor < query.cutoff && part_query.floor >= query.cutoff)
+                part_query.floor = next_down(query.cutoff);
+            const Result part = measure(common.parts[i], part_query);
             if (each_part_) describe(part, i + 1, result.reported);
             measured +=
                 std::size_t(common.parts[i].of_source.triangles.rows() + common.parts[i].of_target.triangles.rows());

@@ -28,10 +28,11 @@ void shared_rows(OffsetCover<float>& cover, const LocalPoints<float>& points) {
 CoverResult shared_piece(OffsetCover<float>& cover, const Polygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
     // Most pieces are covered by a single triangle of B, which is found in less time than it takes to set up an engine.
-    if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != no_triangle) {
+    if (const Covering covering = covering_triangle<float>(cover, cover.near, points, 0);
+        covering.triangle != no_triangle) {
         ++cover.tests;
-        if (cover.proof) cover.proof->one(cover.near.triangle[one.triangle]);
-        return {true, one.upper};
+        if (cover.proof) cover.proof->one(cover.near.triangle[covering.triangle]);
+        return {true, covering.upper};
     }
     return Engine<float>(cover, nullptr, nullptr, most_work).run(piece, points.data());
 }

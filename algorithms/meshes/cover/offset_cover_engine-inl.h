@@ -259,9 +259,9 @@ template <class T> void Engine<T>::settle() {
 // Returns whether all corners, and so the whole polygon, are within the threshold of one triangle of B.
 template <class T> bool Engine<T>::one_for_all() {
     ++c_.tests;
-    const Covering one = covering_triangle(c_, *all_.frames, std::span(row_, piece_.count), upper_);
-    if (one.triangle == no_triangle) return false;
-    covered_by(one.triangle, one.upper);
+    const Covering covering = covering_triangle(c_, *all_.frames, std::span(row_, piece_.count), upper_);
+    if (covering.triangle == no_triangle) return false;
+    covered_by(covering.triangle, covering.upper);
     return true;
 }
 
@@ -269,14 +269,14 @@ template <class T> bool Engine<T>::one_for_all() {
 // Adds the triangle to `near`, or sets full_ if `near` is full. Updates distances and limits.
 template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    const Index found = host_->measure(point, slack, c_.near.triangle[near]);
-    if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), found) == c_.near.triangle.end()) {
+    const Index triangle = host_->measure(point, slack, c_.near.triangle[near]);
+    if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), triangle) == c_.near.triangle.end()) {
         if (c_.near.count() == NearTriangles<T>::most_triangles) {
             full_ = true;
             return;
         }
         std::vector<Index> triangles = c_.near.triangle;
-        triangles.push_back(found);
+        triangles.push_back(triangle);
         if constexpr (exact) set_frames(*target_, triangles, c_.near);
         c_.make_rows(most_shared_points + most_polygon_corners + 4);
         c_.set_threshold(host_->threshold());
@@ -294,14 +294,14 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
 // ask() for a corner that is not, which may add a triangle or raise the threshold. If that does not help one corner, the
 // others are asked about all the same: one of them may be farther than the cutoff.
 template <class T> bool Engine<T>::every_corner_near() {
-    std::size_t asked = 0;
+    std::size_t calls = 0;
     bool near = true;
     for (std::size_t i = 0;
          i < piece_.count &&
          WATCHED_ELSE("cover: one corner at the length ends the questions about the others", true, near);
          ++i) {
         if (!within(i).empty()) continue;
-        if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
+        if (!exact || full_ || ++calls > 2 * most_polygon_corners) return false;
         ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));
         if (within(i).empty())
             near = false;

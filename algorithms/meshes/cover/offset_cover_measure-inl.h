@@ -86,7 +86,7 @@ template <class T> struct Sampled {
 };
 template <class T>
 void measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k, const SamplePoints<T>& points,
-                     Sampled<T>& found) {
+                     Sampled<T>& sampled) {
     const FrameLanes<T> d;
     const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
     const auto limit = hn::Set(d, candidates.limit[k]);
@@ -94,10 +94,10 @@ void measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::si
     for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
         const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
                                                   hn::LoadU(d, points.z + i));
-        hn::StoreU(squared, d, found.square + i);
+        hn::StoreU(squared, d, sampled.square + i);
         within |= mask_bits<T>(hn::Le(squared, limit)) << i;
     }
-    found.within = within;
+    sampled.within = within;
     c.distances += samples<T>;
 }
 

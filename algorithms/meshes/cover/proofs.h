@@ -51,10 +51,10 @@ private:
     // Appends to `whole` the tree of a piece and the trees of all pieces that it was cut into. Returns false if one of
     // them is empty.
     bool append(Index piece, CertificateTree& whole) const {
-        const Piece& own = pieces_[static_cast<std::size_t>(piece)];
-        if (own.tree.bytes().empty()) return false;
-        whole.append(own.tree);
-        return own.first < 0 || (append(own.first, whole) && append(own.first + 1, whole));
+        const Piece& entry = pieces_[static_cast<std::size_t>(piece)];
+        if (entry.tree.bytes().empty()) return false;
+        whole.append(entry.tree);
+        return entry.first < 0 || (append(entry.first, whole) && append(entry.first + 1, whole));
     }
 
     Index triangles_;

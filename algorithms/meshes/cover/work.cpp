@@ -279,26 +279,26 @@ Landmark Work::central_corner(Index source, const Box& box) const {
 
 void Work::narrow(const Cluster& group, const Box& box) {
     Cluster part = group;
-    bool known = group.landmark.near >= 0, seeded = false;
+    bool has_landmark = group.landmark.near >= 0, seeded = false;
     const auto upper = [&] {
         return KnownUpper{around(part.landmark.at, part.landmark.distance, box), part.landmark.near,
                           part.landmark.vertex};
     };
-    if (known) part.upper.improve(upper());
+    if (has_landmark) part.upper.improve(upper());
     if (Landmark other; part.upper.value > tau_ && from_partner(part, box, other)) {
         const double value = around(other.at, other.distance, box);
         seeded = scene_.partner[middle_of(part)] >= 0;
         if (value < part.upper.value && (seeded || value <= tau_)) {
             part.landmark = other;
             part.upper = {value, other.near, other.vertex};
-            known = true;
+            has_landmark = true;
         }
     }
     ++outcome_.counters.bound_tests;
     // The bound includes the distance from the landmark to the farthest corner of the box. So if tau is much smaller
     // than the box, measuring another landmark cannot help.
     const double size = std::sqrt(squared_length(box.high - box.low));
-    if (!known || (!seeded && part.upper.value > tau_ && tau_ >= 0.25 * size && !stop_)) {
+    if (!has_landmark || (!seeded && part.upper.value > tau_ && tau_ >= 0.25 * size && !stop_)) {
         const Index source = middle_of(part);
         const Index near = part.landmark.near;
         part.landmark = central_corner(source, box);
@@ -386,28 +386,28 @@ void Work::cover(std::span<const Piece> pieces, const Landmark& landmark) {
 void Work::cover_from_own(std::span<const Piece> pieces, const Landmark& landmark) {
     const Piece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
-    const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
+    const Landmark corner{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
     double radius = 0;
     for (const Piece& piece : pieces)
         radius = std::max(radius, WATCHED_ELSE("cover: pieces that reach farther than the middle one", piece, middle)
                                       .farthest_corner(m.point));
     const KnownUpper upper{
         WATCHED_ELSE("cover: the rounding of a distance that neighbours share",
-                     surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.distance + radius),
-        own.near, own.vertex};
+                     surface_sum_at_most(corner.distance + radius, scene_.magnitude, 0), corner.distance + radius),
+        corner.near, corner.vertex};
     std::vector<Piece> open;
     for (Piece piece : pieces) {
         piece.upper.improve(upper);
         if (piece.upper.value > tau_ && !stop_)
             piece.upper.improve(WATCHED_ELSE(
-                "cover: the triangle nearest to a corner bounds all corners", by_corners(piece, own.near).upper,
-                (KnownUpper{by_corners(piece, own.near).upper.value * (1 - 0x1p-40), own.near, -1})));
+                "cover: the triangle nearest to a corner bounds all corners", by_corners(piece, corner.near).upper,
+                (KnownUpper{by_corners(piece, corner.near).upper.value * (1 - 0x1p-40), corner.near, -1})));
         if (piece.upper.value > tau_ && !stop_)
             open.push_back(piece);
         else
             settle(piece);
     }
-    if (!open.empty()) cover(open, own);
+    if (!open.empty()) cover(open, corner);
 }
 
 // Gathers the triangles of B near the pieces, and tries to show with them that each piece is within tau of B. Returns
@@ -515,10 +515,10 @@ Index Work::measure(const double (&point)[3], double slack, Index near) {
     //   (slack + 2) * place.unit / (2M) levels, rounded up.
     // - The sum above rounds by at most sqrt(3) * uM < 2uM: one level. No test can show that this level is needed,
     //   because on every known input it fits into the rounding up of the local errors. But the proof needs it.
-    const int own = WATCHED("cover: halvings of the piece that a point is inside of", level_) + 1 +
-                    WATCHED("cover: the slack of a point inside a piece",
-                            static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude))));
-    return measure(global, near, source_, WATCHED("cover: the level of a point inside a piece", own)).triangle;
+    const int point_level = WATCHED("cover: halvings of the piece that a point is inside of", level_) + 1 +
+                            WATCHED("cover: the slack of a point inside a piece",
+                                    static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude))));
+    return measure(global, near, source_, WATCHED("cover: the level of a point inside a piece", point_level)).triangle;
 }
 
 // Returns covered_within() in local units, or more if this is too close to the lower bound. The distance of a measured

@@ -70,10 +70,10 @@ Parts cut_between(const Piece& piece, const Triangle& s, const Triangle& t, cons
     // For triangles in one plane, the signed roots of the differences of squares are affine; for bisectors of planes,
     // the differences of distances are.
     for (std::size_t k = 0; k < 3; ++k) f[k] = to_s[k] - to_t[k];
-    const auto one = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin()),
-               two = static_cast<std::size_t>(std::max_element(f.begin(), f.end()) - f.begin());
-    const Vec3 x = closest_point(piece.corners[one], s).point - piece.corners[one],
-               y = closest_point(piece.corners[two], t).point - piece.corners[two];
+    const auto low = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin()),
+               high = static_cast<std::size_t>(std::max_element(f.begin(), f.end()) - f.begin());
+    const Vec3 x = closest_point(piece.corners[low], s).point - piece.corners[low],
+               y = closest_point(piece.corners[high], t).point - piece.corners[high];
     const double lengths = std::sqrt(squared_length(x) * squared_length(y));
     const bool flat = lengths == 0 || dot(x, y) > nearly_parallel * lengths;
     for (std::size_t k = 0; k < 3; ++k) {

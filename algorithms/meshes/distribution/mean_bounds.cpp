@@ -187,8 +187,8 @@ std::optional<AffineBounds> bounds_of_points(const Piece& piece, std::span<const
     for (const std::uint16_t i : among) {
         const Triangle& t = near[i].corners;
         if (!is_point(t.a, t.b, t.c)) return std::nullopt;
-        const Bounds one = point_distance(piece.corners[0], t.a);
-        d = {std::min(d.lower, one.lower), std::min(d.upper, one.upper)};
+        const Bounds to_point = point_distance(piece.corners[0], t.a);
+        d = {std::min(d.lower, to_point.lower), std::min(d.upper, to_point.upper)};
     }
     AffineBounds bounds;
     bounds.lower.fill(d.lower);

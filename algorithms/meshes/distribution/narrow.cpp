@@ -135,8 +135,8 @@ private:
 
     std::size_t pieces() const {
         std::size_t sum = 0;
-        for (const std::optional<Dissection>& one : pieces_)
-            if (one) sum += one->leaves().size();
+        for (const std::optional<Dissection>& dissection : pieces_)
+            if (dissection) sum += dissection->leaves().size();
         return sum;
     }
 
@@ -161,13 +161,13 @@ private:
 
     // Estimates, in the first round, how long the statistics of a piece will take: computes them for the first pieces.
     void estimate_seconds_per_piece() {
-        for (const std::optional<Dissection>& one : pieces_) {
-            if (!one || one->leaves().empty()) continue;
+        for (const std::optional<Dissection>& dissection : pieces_) {
+            if (!dissection || dissection->leaves().empty()) continue;
             const double begin = seconds();
-            const Statistics some({one->leaves()}, one->extra_weight(), one->counted());
+            const Statistics some({dissection->leaves()}, dissection->extra_weight(), dissection->counted());
             for (const Goal& goal : goals_) some.of(goal.statistic);
             // Twice, because many pieces are not in the cache.
-            seconds_per_piece_ = 2 * (seconds() - begin) / static_cast<double>(one->leaves().size());
+            seconds_per_piece_ = 2 * (seconds() - begin) / static_cast<double>(dissection->leaves().size());
             return;
         }
         estimated_ = false;  // try again once the first pieces are made
@@ -185,8 +185,8 @@ private:
     std::optional<Status> narrower(bool more) {
         std::array<std::optional<Statistics>, 3> all;  // by Over: source, target; the last is pooled
         const auto now = [&](Over over) -> const Statistics& {
-            std::optional<Statistics>& one = all[over == Over::pooled ? 2 : static_cast<std::size_t>(over)];
-            if (!one) {
+            std::optional<Statistics>& statistics = all[over == Over::pooled ? 2 : static_cast<std::size_t>(over)];
+            if (!statistics) {
                 std::vector<std::span<const Leaf>> leaves;
                 double extra = 0;
                 bool counted = true;
@@ -196,16 +196,16 @@ private:
                     extra += pieces_[way]->extra_weight();
                     counted &= pieces_[way]->counted();
                 }
-                one.emplace(std::move(leaves), extra, counted);
+                statistics.emplace(std::move(leaves), extra, counted);
             }
-            return *one;
+            return *statistics;
         };
         const double begin = seconds();
-        for (Goal& one : goals_) {
+        for (Goal& goal : goals_) {
             // A machine may be slower now than in the last round, whose bounds hold, too.
             if (rounds_ > 0 && seconds() >= query_.time_limit) throw Interrupted();
-            one.bounds = now(one.statistic.over).of(one.statistic);
-            one.allowed = infinity;
+            goal.bounds = now(goal.statistic.over).of(goal.statistic);
+            goal.allowed = infinity;
         }
         ++rounds_;
         seconds_per_piece_ = (seconds() - begin) / static_cast<double>(pieces() + 1);
@@ -215,17 +215,17 @@ private:
         if (is_over(pieces())) return Status::time_limit;
         if (pieces() > most_) return Status::budget;
         without_cuts_ = more ? 0 : without_cuts_ + 1;
-        for (Goal& one : goals_) look_for_plateau(one, now(one.statistic.over));
+        for (Goal& goal : goals_) look_for_plateau(goal, now(goal.statistic.over));
         if (without_cuts_ > rounds_without_cuts) return unfinished();
         where_ = {};
         bool cut = false;
-        for (Goal& one : goals_) {
-            if (one.bounds.gap() <= one.allowed || one.flat()) continue;
+        for (Goal& goal : goals_) {
+            if (goal.bounds.gap() <= goal.allowed || goal.flat()) continue;
             cut = true;
-            lower_limit(one, now(one.statistic.over));
+            lower_limit(goal, now(goal.statistic.over));
             for (std::size_t way = 0; way < 2; ++way) {
-                if (one.statistic.over == Over::pooled || way == static_cast<std::size_t>(one.statistic.over))
-                    add(one, now(one.statistic.over), where_[way]);
+                if (goal.statistic.over == Over::pooled || way == static_cast<std::size_t>(goal.statistic.over))
+                    add(goal, now(goal.statistic.over), where_[way]);
             }
         }
         return cut ? std::nullopt : std::optional(Status::stalled);
@@ -234,10 +234,10 @@ private:
     // The status if there is nothing left to cut: `stalled` if only quantiles are open, because F is flat there.
     Status unfinished() {
         bool other = false;
-        for (Goal& one : goals_) {
-            if (one.bounds.gap() <= one.allowed) continue;
-            if (one.constant)
-                one.idle = rounds_without_progress;
+        for (Goal& goal : goals_) {
+            if (goal.bounds.gap() <= goal.allowed) continue;
+            if (goal.constant)
+                goal.idle = rounds_without_progress;
             else
                 other = true;
         }
@@ -251,10 +251,10 @@ private:
         bool done = true;
         for (const Statistic& statistic : query_.statistics) {
             if (!combines(statistic.over)) {
-                Goal& one = goals_[goal(statistic, statistic.over)];
-                answers_.push_back(one.bounds);
-                one.allowed = std::min(one.allowed, query_.allowed_gap(statistic, one.bounds.lower));
-                done &= one.bounds.gap() <= one.allowed;
+                Goal& single = goals_[goal(statistic, statistic.over)];
+                answers_.push_back(single.bounds);
+                single.allowed = std::min(single.allowed, query_.allowed_gap(statistic, single.bounds.lower));
+                done &= single.bounds.gap() <= single.allowed;
                 continue;
             }
             Goal& source = goals_[goal(statistic, Over::source)];
@@ -265,51 +265,51 @@ private:
             const double allowed = query_.allowed_gap(statistic, bounds.lower);
             if (bounds.gap() <= allowed) continue;
             done = false;
-            for (Goal* one : {&source, &target}) {
+            for (Goal* side : {&source, &target}) {
                 // A value that cannot be the larger one need not be known better. A harmonic mean changes by at most
                 // twice the change of one value.
-                if (statistic.over == Over::larger && one->bounds.upper <= bounds.lower + allowed) continue;
+                if (statistic.over == Over::larger && side->bounds.upper <= bounds.lower + allowed) continue;
                 // Combining them rounds, so a mean of both gets a little less.
                 const double part = statistic.over == Over::harmonic_mean  ? 0.25
                                     : statistic.over == Over::mean_of_both ? 0.99
                                                                            : 1;
-                one->allowed = std::min(one->allowed, part * allowed);
+                side->allowed = std::min(side->allowed, part * allowed);
             }
         }
         return done;
     }
 
     // Notes whether a quantile has come closer, and whether F is already known in the middle between its bounds.
-    static void look_for_plateau(Goal& one, const Statistics& now) {
-        if (one.statistic.kind != Kind::quantile) return;
-        const double middle = one.bounds.lower + 0.5 * one.bounds.gap();
-        one.constant = now.open(one.statistic, {middle, middle}) <= 0x1p-30 * now.weight();
-        one.idle = one.bounds.gap() > 0.9 * one.last_gap ? one.idle + 1 : 0;
-        one.last_gap = one.bounds.gap();
+    static void look_for_plateau(Goal& goal, const Statistics& now) {
+        if (goal.statistic.kind != Kind::quantile) return;
+        const double middle = goal.bounds.lower + 0.5 * goal.bounds.gap();
+        goal.constant = now.open(goal.statistic, {middle, middle}) <= 0x1p-30 * now.weight();
+        goal.idle = goal.bounds.gap() > 0.9 * goal.last_gap ? goal.idle + 1 : 0;
+        goal.last_gap = goal.bounds.gap();
     }
 
-    void lower_limit(Goal& one, const Statistics& now) const {
-        const bool quantile = one.statistic.kind == Kind::quantile;
-        const double open = now.open(one.statistic, one.bounds), most = allowed_sum(one, now);
+    void lower_limit(Goal& goal, const Statistics& now) const {
+        const bool quantile = goal.statistic.kind == Kind::quantile;
+        const double open = now.open(goal.statistic, goal.bounds), most = allowed_sum(goal, now);
         if (open == 0) return;  // the gap does not come from the pieces
-        if (one.limit == CutWhere::never)
-            one.limit = std::min(4 * std::max(most, open / 256), 0.5 * open) / static_cast<double>(pieces());
+        if (goal.limit == CutWhere::never)
+            goal.limit = std::min(4 * std::max(most, open / 256), 0.5 * open) / static_cast<double>(pieces());
         else if (without_cuts_ > 0)
-            one.limit *= WATCHED_ELSE("distribution: limits shrink where nothing was cut", shrink, 1);
+            goal.limit *= WATCHED_ELSE("distribution: limits shrink where nothing was cut", shrink, 1);
         else
-            one.limit *= std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5);
+            goal.limit *= std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5);
     }
 
     Narrowed result(Status status) const {
         Narrowed narrowed{status, {}, answers_, pieces(), {}, witness()};
-        for (const Goal& one : goals_) {
-            if (one.bounds.gap() <= one.allowed || !one.flat()) continue;
-            narrowed.note = to_string(one.statistic) +
+        for (const Goal& goal : goals_) {
+            if (goal.bounds.gap() <= goal.allowed || !goal.flat()) continue;
+            narrowed.note = to_string(goal.statistic) +
                             ": no distance lies between the bounds, and rounding leaves open which end is right; a "
                             "slightly different level is certain";
         }
-        for (const std::optional<Dissection>& one : pieces_)
-            if (one) narrowed.counters += one->counters();
+        for (const std::optional<Dissection>& dissection : pieces_)
+            if (dissection) narrowed.counters += dissection->counters();
         return narrowed;
     }
 
@@ -317,10 +317,10 @@ private:
     // 2k * uM, and its lower bound was lowered by more (mean_bounds.cpp), so the bound also holds for the corner as
     // computed, less its distance from the triangle.
     Witness witness() const {
-        Witness found;
+        Witness farthest;
         const Statistic& first = query_.statistics.front();
         if (first.kind != Kind::maximum || first.over == Over::mean_of_both || first.over == Over::harmonic_mean)
-            return found;
+            return farthest;
         double most = -infinity;
         for (std::size_t way = 0; way < 2; ++way) {
             if (!pieces_[way] || (first.over == Over::source && way == 1) || (first.over == Over::target && way == 0))
@@ -329,17 +329,17 @@ private:
                 for (std::size_t k = 0; k < 3; ++k) {
                     if (!(leaf.bounds.lower[k] > most)) continue;
                     most = leaf.bounds.lower[k];
-                    found = {};
+                    farthest = {};
                     (WATCHED_ELSE("distribution: the witness is on the other shape", way == 0, way == 1)
-                         ? found.source_point
-                         : found.target_point) = leaf.piece.corners[k];
-                    (way == 0 ? found.source_element : found.target_element) = leaf.piece.source;
-                    found.direction =
+                         ? farthest.source_point
+                         : farthest.target_point) = leaf.piece.corners[k];
+                    (way == 0 ? farthest.source_element : farthest.target_element) = leaf.piece.source;
+                    farthest.direction =
                         way == 0 ? Witness::Direction::source_to_target : Witness::Direction::target_to_source;
                 }
             }
         }
-        return found;
+        return farthest;
     }
 
     // Returns an upper bound on the distance between any two points of the shapes: the sum of the sides of their box,

@@ -113,14 +113,14 @@ Bounds Statistics::of(const Statistic& statistic) const {
 // A point counts as within `length` if an upper bound of d is, and as beyond it if a lower bound is.
 Bounds Statistics::share_within(double length) const {
     Sum within_all, beyond_all;
-    for (const Extent& one : extents_) {
-        if (one.most <= length) {
-            within_all.add(one.weight);
-        } else if (one.least > length) {
-            beyond_all.add(one.weight);
+    for (const Extent& extent : extents_) {
+        if (extent.most <= length) {
+            within_all.add(extent.weight);
+        } else if (extent.least > length) {
+            beyond_all.add(extent.weight);
         } else {
-            within_all.add(one.weight * share_at_most(one.leaf->bounds.upper, length));
-            beyond_all.add(one.weight * share_above(one.leaf->bounds.lower, length));
+            within_all.add(extent.weight * share_at_most(extent.leaf->bounds.upper, length));
+            beyond_all.add(extent.weight * share_above(extent.leaf->bounds.lower, length));
         }
     }
     const double within = within_all.value(), beyond = beyond_all.value();
@@ -140,10 +140,12 @@ Bounds Statistics::quantile(double level) const {
         double least, most, weight;
     };
     const auto bisect = [&](bool surely) {
-        const auto weighed = [&](const Open& one, double t) {
+        const auto weighed = [&](const Open& entry, double t) {
             if (surely)
-                return t >= one.most ? one.weight : t < one.least ? 0 : one.weight * share_at_most(one.values, t);
-            return t >= one.most ? 0 : t < one.least ? one.weight : one.weight * share_above(one.values, t);
+                return t >= entry.most   ? entry.weight
+                       : t < entry.least ? 0
+                                         : entry.weight * share_at_most(entry.values, t);
+            return t >= entry.most ? 0 : t < entry.least ? entry.weight : entry.weight * share_above(entry.values, t);
         };
         double low = least_, high = most_;
         std::vector<Open> open;  // a copy, because the leaves themselves are too large for the cache
@@ -159,12 +161,12 @@ Bounds Statistics::quantile(double level) const {
             const double middle = low + 0.5 * (high - low);
             if (!(low < middle && middle < high)) break;
             Sum all = settled;
-            for (const Open& one : open) all.add(weighed(one, middle));
+            for (const Open& entry : open) all.add(weighed(entry, middle));
             const double share = surely ? share_at_least(all.value()) : share_at_most_beside(all.value());
             (share >= level ? high : low) = middle;
-            std::erase_if(open, [&](const Open& one) {
-                if (one.least <= high && one.most > low) return false;
-                settled.add(weighed(one, high));
+            std::erase_if(open, [&](const Open& entry) {
+                if (entry.least <= high && entry.most > low) return false;
+                settled.add(weighed(entry, high));
                 return true;
             });
         }
@@ -175,8 +177,8 @@ Bounds Statistics::quantile(double level) const {
 
 double Statistics::open_between(double low, double high) const {
     Sum all;
-    for (const Extent& one : extents_)
-        if (one.least <= high && one.most > low) all.add(one.weight * open_in(one.leaf->bounds, low, high));
+    for (const Extent& extent : extents_)
+        if (extent.least <= high && extent.most > low) all.add(extent.weight * open_in(extent.leaf->bounds, low, high));
     return all.value();
 }
 

@@ -15,8 +15,8 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
     const auto ends = [&](std::size_t place) {
         const auto triangle = static_cast<Index>(place / 3);
         const int k = static_cast<int>(place % 3);
-        const Index one = mesh.triangles(triangle, k), two = mesh.triangles(triangle, (k + 1) % 3);
-        return std::pair(std::min(one, two), std::max(one, two));
+        const Index from = mesh.triangles(triangle, k), to = mesh.triangles(triangle, (k + 1) % 3);
+        return std::pair(std::min(from, to), std::max(from, to));
     };
 
     // Sort the sides so that sides with the same edge are adjacent: a counting sort by the lower vertex index, then

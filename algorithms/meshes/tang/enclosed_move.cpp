@@ -24,16 +24,16 @@ using Corners = std::array<Vec3, 3>;
 
 // Returns whether the convex hulls of two sets of points are more than `margin` apart along an axis. The axis itself
 // may be inaccurate: a wrong axis may fail to separate the sets but never separates sets that touch.
-bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two, double margin) {
+bool apart_along(Vec3 axis, std::span<const Vec3> first, std::span<const Vec3> second, double margin) {
     const double size = axis.cwiseAbs().maxCoeff();
     if (!(size > 0 && size < infinity)) return false;
     axis /= size;
     double low[2] = {infinity, infinity}, high[2] = {-infinity, -infinity};
-    for (const Vec3& p : one) {
+    for (const Vec3& p : first) {
         low[0] = std::min(low[0], dot(axis, p));
         high[0] = std::max(high[0], dot(axis, p));
     }
-    for (const Vec3& p : two) {
+    for (const Vec3& p : second) {
         low[1] = std::min(low[1], dot(axis, p));
         high[1] = std::max(high[1], dot(axis, p));
     }
@@ -42,23 +42,23 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
 
 // Tries to separate two triangles, or a segment and a triangle, by more than `margin` along an axis: first the normals
 // of the triangles, then the cross products of their edges. Returns whether one of the axes separates them.
-bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
+bool apart(std::span<const Vec3> first, const Corners& second, double margin) {
     const auto edge = [](std::span<const Vec3> p, std::size_t k) { return Vec3(p[(k + 1) % p.size()] - p[k]); };
-    if (one.size() == 3 && apart_along(edge(one, 0).cross(edge(one, 1)), one, two, margin)) return true;
-    if (apart_along(edge(two, 0).cross(edge(two, 1)), one, two, margin)) return true;
-    for (std::size_t i = 0; i < one.size(); ++i) {
+    if (first.size() == 3 && apart_along(edge(first, 0).cross(edge(first, 1)), first, second, margin)) return true;
+    if (apart_along(edge(second, 0).cross(edge(second, 1)), first, second, margin)) return true;
+    for (std::size_t i = 0; i < first.size(); ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
-            if (apart_along(edge(one, i).cross(edge(two, j)), one, two, margin)) return true;
+            if (apart_along(edge(first, i).cross(edge(second, j)), first, second, margin)) return true;
         }
     }
     // If both shapes lie in one plane, all axes above are normal to it. Try the directions in this plane that are
     // perpendicular to an edge.
-    const Vec3 normal = edge(two, 0).cross(edge(two, 1));
-    for (std::size_t i = 0; i < one.size(); ++i) {
-        if (apart_along(normal.cross(edge(one, i)), one, two, margin)) return true;
+    const Vec3 normal = edge(second, 0).cross(edge(second, 1));
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (apart_along(normal.cross(edge(first, i)), first, second, margin)) return true;
     }
     for (std::size_t j = 0; j < 3; ++j) {
-        if (apart_along(normal.cross(edge(two, j)), one, two, margin)) return true;
+        if (apart_along(normal.cross(edge(second, j)), first, second, margin)) return true;
     }
     return false;
 }
@@ -106,8 +106,8 @@ int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 template <class Tree> double EnclosedMove<Tree>::upper(const PieceCorners& corners, int level, double length) {
-    const MeasuredPoint& far = *std::max_element(
-        corners.begin(), corners.end(), [](const auto& one, const auto& two) { return one.squared < two.squared; });
+    const MeasuredPoint& far = *std::max_element(corners.begin(), corners.end(),
+                                                 [](const auto& a, const auto& b) { return a.squared < b.squared; });
     const Vec3 towards = target_.closest(far.point, far.triangle, counters_).point - far.point;
     const double distance = std::sqrt(squared_length(towards));
     if (!(distance > 0 && length >= distance)) return infinity;

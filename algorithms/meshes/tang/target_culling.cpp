@@ -13,9 +13,9 @@ template <class Tree> void TargetCulling<Tree>::bound_by(ListedPiece& piece, Ind
     const Triangle near = target_.triangle(triangle);
     double most = 0;
     for (const MeasuredPoint& corner : piece.corners) {
-        const bool known = corner.triangle == triangle;
-        most = std::max(most, known ? corner.squared : target_.squared_distance(corner.point, near));
-        counters_.point_triangle_distances += known ? 0 : 1;
+        const bool is_nearest = corner.triangle == triangle;
+        most = std::max(most, is_nearest ? corner.squared : target_.squared_distance(corner.point, near));
+        counters_.point_triangle_distances += is_nearest ? 0 : 1;
     }
     ++counters_.bound_tests;
     const double upper = WATCHED_ELSE("tang: the bound by one triangle of B is widened",
@@ -69,7 +69,7 @@ template <class Tree> double TargetCulling<Tree>::radius_at_most(const ListedPie
 
 template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
     const double radius = radius_at_most(piece);
-    const auto known =
+    const auto was_measured =
         std::array{piece.corners[0].triangle >= 0, piece.corners[1].triangle >= 0, piece.corners[2].triangle >= 0};
     double search_radius = WATCHED_ELSE("tang: a walk goes as far as the piece is large", next_up(piece.upper + radius),
                                         piece.upper),
@@ -82,7 +82,7 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
         for (std::size_t k = 0; k < 3; ++k) {
             MeasuredPoint& corner = piece.corners[k];
             most = std::max(most, squared[k]);
-            if (known[k]) continue;
+            if (was_measured[k]) continue;
             if (corner.triangle < 0 || squared[k] < corner.squared ||
                 (squared[k] == corner.squared && triangle < corner.triangle)) {
                 corner.squared = squared[k];
@@ -106,7 +106,7 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
     counters_.bound_tests += tested;
     if (piece.depth == 0) measured_ += tested;
     for (std::size_t k = 0; k < 3; ++k) {
-        if (!known[k]) bounds_.offer(piece.corners[k], piece.source, piece.level);
+        if (!was_measured[k]) bounds_.offer(piece.corners[k], piece.source, piece.level);
     }
 }
 
@@ -124,10 +124,11 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     std::array<Index, most_listed> kept;
     std::size_t count = 0;
     if (near_.size() > most_near) return;
-    for (const NearTriangle& one : near_) {
-        if (one.squared[0] > most[0] || one.squared[1] > most[1] || one.squared[2] > most[2]) continue;
+    for (const NearTriangle& candidate : near_) {
+        if (candidate.squared[0] > most[0] || candidate.squared[1] > most[1] || candidate.squared[2] > most[2])
+            continue;
         if (count == most_listed) return;
-        kept[count++] = one.triangle;
+        kept[count++] = candidate.triangle;
     }
     piece.list = lists_.store(std::span(kept).first(count));
 }

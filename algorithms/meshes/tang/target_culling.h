@@ -108,7 +108,7 @@ private:
         std::array<BlockFeet, most_listed> feet;
         std::size_t count = 0;
 
-        void add(Index one) { triangle[count++] = one; }
+        void add(Index index) { triangle[count++] = index; }
     };
 
     void find_candidates(const ListedPiece& piece, const Cut<MeasuredPoint>& cut);

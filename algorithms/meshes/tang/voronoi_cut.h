@@ -57,12 +57,12 @@ public:
     Cut<MeasuredPoint> cut(const PieceCorners& corners, int depth, const Measure& measure) const {
         if (cutting_ == Cutting::longest_edge) return cut_triangle(corners, Split::longest_edge, measure);
         if (!is_voronoi(depth)) return cut_triangle(corners, Split::midpoint, measure);
-        const auto place = [&](const MeasuredPoint& one, const MeasuredPoint& two) {
+        const auto place = [&](const MeasuredPoint& from, const MeasuredPoint& to) {
             double t = 0.5;
-            if (one.triangle != two.triangle)
-                t = voronoi_place(one.point, two.point, target_.triangle(one.triangle), target_.triangle(two.triangle),
+            if (from.triangle != to.triangle)
+                t = voronoi_place(from.point, to.point, target_.triangle(from.triangle), target_.triangle(to.triangle),
                                   least_part_);
-            return point_of_edge(one.point, two.point, t);
+            return point_of_edge(from.point, to.point, t);
         };
         return cut_in_four(corners, place, measure);
     }

@@ -21,8 +21,8 @@ std::optional<std::vector<Index>> near_undecided(const Work& work, const std::ve
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
     std::size_t cells = 0;
-    for (const Undecided& one : undecided) {
-        cells += 8 + work.grid.mark_within(work.a.row(one.row).data(), one.squared, flags);
+    for (const Undecided& point : undecided) {
+        cells += 8 + work.grid.mark_within(work.a.row(point.row).data(), point.squared, flags);
         if (cells > static_cast<std::size_t>(work.b.rows())) return {};
     }
     state.counters.bound_tests += undecided.size();
@@ -33,9 +33,9 @@ std::optional<std::vector<Index>> near_undecided(const Work& work, const std::ve
     return near;
 }
 
-void take(const CellFindings& found, ScanState& state) {
-    state.counters += found.counters;
-    if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
+void take(const CellFindings& findings, ScanState& state) {
+    state.counters += findings.counters;
+    if (findings.farthest.squared > state.farthest.squared) state.farthest = findings.farthest;
 }
 
 // Calls search_cells() for the given rows of A (all if null), in rounds of 64 blocks. Each block starts from the
@@ -51,16 +51,18 @@ Status search_blocks(const Work& work, const std::vector<Index>* rows, const Poi
         std::vector<CellFindings> findings(blocks);
         work.threads.for_each(blocks, [&](std::size_t block) {
             const std::size_t from = begin + block * size, to = std::min(end, from + size);
-            CellFindings found{state.farthest, {}, {}};  // a copy of its own: neighbours in a vector share cache lines
+            CellFindings of_block{
+                state.farthest, {}, {}};  // a copy of its own: neighbours in a vector share cache lines
             if (rows)
-                search_cells(cells, work.grid, work.a, std::span(*rows).subspan(from, to - from), work.b, found);
+                search_cells(cells, work.grid, work.a, std::span(*rows).subspan(from, to - from), work.b, of_block);
             else
-                search_cells(cells, work.grid, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b, found);
-            findings[block] = std::move(found);
+                search_cells(cells, work.grid, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b,
+                             of_block);
+            findings[block] = std::move(of_block);
         });
-        for (const CellFindings& found : findings) {
-            take(found, state);
-            open.insert(open.end(), found.open.begin(), found.open.end());
+        for (const CellFindings& of_block : findings) {
+            take(of_block, state);
+            open.insert(open.end(), of_block.open.begin(), of_block.open.end());
         }
     }
     return Status::converged;
@@ -173,7 +175,7 @@ Status search_all(const Work& work, ScanState& state) { return search_near(work,
 Status search_undecided(const Work& work, const std::vector<Undecided>& undecided, ScanState& state) {
     if (undecided.empty()) return Status::converged;
     std::vector<Index> rows;
-    for (const Undecided& one : undecided) rows.push_back(one.row);
+    for (const Undecided& point : undecided) rows.push_back(point.row);
     std::sort(rows.begin(), rows.end());
     const std::optional<std::vector<Index>> near = near_undecided(work, undecided, state);
     return search_near(work, &rows, near ? &*near : nullptr, state);

@@ -136,16 +136,16 @@ std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, c
                                  const Threads& threads) {
     const auto count = static_cast<std::size_t>(b.rows());
     const std::size_t parts = blocks_of(count, part_rows);
-    std::vector<std::vector<Best>> found(parts, std::vector<Best>(rows.size()));
+    std::vector<std::vector<Best>> best(parts, std::vector<Best>(rows.size()));
     threads.for_each(parts, [&](std::size_t p) {
         const Part mine = part(count, p, parts);
-        HWY_DYNAMIC_DISPATCH(nearest_of_part)(a, rows, b, mine.begin, mine.end, found[p].data());
+        HWY_DYNAMIC_DISPATCH(nearest_of_part)(a, rows, b, mine.begin, mine.end, best[p].data());
     });
     for (std::size_t p = 1; p < parts; ++p) {
         for (std::size_t q = 0; q < rows.size(); ++q)
-            if (found[p][q].squared < found[0][q].squared) found[0][q] = found[p][q];
+            if (best[p][q].squared < best[0][q].squared) best[0][q] = best[p][q];
     }
-    return std::move(found[0]);
+    return std::move(best[0]);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ private:
     // Returns the largest squared distance, or -1 if there is none.
     static double most_of(const std::vector<Undecided>& undecided) {
         double most = -1;
-        for (const Undecided& one : undecided) most = std::max(most, one.squared);
+        for (const Undecided& point : undecided) most = std::max(most, point.squared);
         return most;
     }
 
@@ -147,7 +147,7 @@ private:
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
         std::vector<Index> rows;
-        for (const Undecided& one : undecided) rows.push_back(one.row);
+        for (const Undecided& point : undecided) rows.push_back(point.row);
         const std::vector<double> squared = squared_to_nearest(work.a, rows, grid_.spread(), work.threads);
         state.counters.point_distances += pairs;
         for (std::size_t i = 0; i < rows.size(); ++i) undecided[i].squared = std::min(undecided[i].squared, squared[i]);
@@ -207,7 +207,7 @@ private:
 
     // Removes the points that cannot raise the largest distance, because a known point of B is within it.
     static void drop_decided(std::vector<Undecided>& undecided, const ScanState& state) {
-        std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
+        std::erase_if(undecided, [&](const Undecided& point) { return point.squared <= state.farthest.squared; });
     }
 
     double cells_from_, tree_from_, threads_from_;

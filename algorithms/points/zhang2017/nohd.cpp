@@ -160,11 +160,11 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         const Points& a = points_of(scene.source);
-        if (to_depth_) own_.emplace(a, PointOctree::root_around(a), depth_);
-        tree_ = to_depth_ ? &*own_ : &prepared.get<PointOctree>(Side::source);
+        if (to_depth_) octree_.emplace(a, PointOctree::root_around(a), depth_);
+        tree_ = to_depth_ ? &*octree_ : &prepared.get<PointOctree>(Side::source);
     }
 
-    std::size_t prepared_bytes() const override { return own_ ? own_->bytes() : 0; }
+    std::size_t prepared_bytes() const override { return octree_ ? octree_->bytes() : 0; }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
@@ -177,8 +177,8 @@ private:
     int depth_;
     bool early_break_, to_depth_;
     const Scene* scene_ = nullptr;
-    std::optional<PointOctree> own_;     // only for build = "to_depth"
-    const PointOctree* tree_ = nullptr;  // own_ or the shared octree
+    std::optional<PointOctree> octree_;  // only for build = "to_depth"
+    const PointOctree* tree_ = nullptr;  // octree_ or the shared octree
 };
 
 }  // namespace

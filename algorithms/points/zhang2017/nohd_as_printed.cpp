@@ -67,9 +67,9 @@ public:
             }
             for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
                 const Index i = tree_->order()[static_cast<std::size_t>(k)];
-                const FarthestPoint found = point_to_points(a, i, b, max_lb, counters);
-                if (found.squared > farthest.squared) farthest = found;
-                max_lb = std::max(max_lb, found.squared);
+                const FarthestPoint candidate = point_to_points(a, i, b, max_lb, counters);
+                if (candidate.squared > farthest.squared) farthest = candidate;
+                max_lb = std::max(max_lb, candidate.squared);
             }
         }
         // The largest lower bound, MaxLB, may come from a cell. At the end, no point of A is farther from B than MaxLB,

@@ -73,7 +73,7 @@ double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, 
     return infinity;
 }
 
-double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
+double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double limit,
               Counters& counters) {
     const Vec3 n = foot - p;
     const double size = n.norm();
@@ -90,7 +90,7 @@ double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p
     for (int tries = 0; tries < 3; ++tries) {
         const Vec3 t = (1 + further / size) * n;
         const double most = apart_at_most(t, Vec3::Zero());
-        if (most >= known) return infinity;
+        if (most >= limit) return infinity;
         const auto there = moved(piece, target, t, counters);
         if (!there) return infinity;
         const double left = sign > 0 ? there->sup() : -there->inf();

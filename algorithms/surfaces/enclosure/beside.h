@@ -27,8 +27,8 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
 // and its moved copy.
 //
 // Tries t = foot - p, where `p` is a point of the piece and `foot` the point of B closest to p, and slightly longer
-// vectors. Returns infinity if none of them works or is shorter than `known`.
-double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
+// vectors. Returns infinity if none of them works or is shorter than `limit`.
+double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double limit,
               Counters& counters);
 
 }  // namespace hausbench::surface_enclosure

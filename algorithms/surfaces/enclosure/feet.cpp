@@ -149,7 +149,7 @@ bool stays_inside(const SurfaceTree::Node& piece, const Models& t, const Box& bo
 }  // namespace
 
 double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
-                  const Vec3& foot, double known, Counters& counters) {
+                  const Vec3& foot, double limit, Counters& counters) {
     Vec3 gradient;
     source.polynomial().value(p, gradient);
     int axis = 0;
@@ -162,7 +162,7 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     Feet feet(graph.points(), target);
     if (!feet.find(foot)) return infinity;
     Models t = feet.to_foot();
-    if (!(CGAL::sqrt(Interval(std::max(squared_length(t), 0.0))).inf() < known)) return infinity;
+    if (!(CGAL::sqrt(Interval(std::max(squared_length(t), 0.0))).inf() < limit)) return infinity;
     if (!graph.prove(counters)) return infinity;
     const Models& y = graph.points();
     const Polynomial& f = target.polynomial();

@@ -28,9 +28,9 @@ namespace hausbench::surface_enclosure {
 // method starts from `p`, a point near the piece, and `foot`, a point near the point of B closest to p.
 //
 // Returns infinity if the proof fails: if the piece is not proven to be a graph, if a segment may leave the box of B,
-// or if B curves too much. To save time, also returns infinity once the bound cannot be below `known`. The caller must
+// or if B curves too much. To save time, also returns infinity once the bound cannot be below `limit`. The caller must
 // hold an UpwardRounding. Takes about 25 evaluations of each polynomial in Taylor models.
 double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
-                  const Vec3& foot, double known, Counters& counters);
+                  const Vec3& foot, double limit, Counters& counters);
 
 }  // namespace hausbench::surface_enclosure

@@ -30,9 +30,9 @@ double ProvenFeet::at_most(const SurfaceTree::Node& piece, std::int32_t foot) {
     return distance_at_most(piece, b.at) + WATCHED("surface_enclosure: how far a foot may be off", b.error);
 }
 
-NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search) {
+NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> near_feet, const FootSearch& search) {
     Best best;
-    for (const std::int32_t foot : known) {
+    for (const std::int32_t foot : near_feet) {
         const double d = apart_at_most(p, (*this)[foot].at) + (*this)[foot].error;
         if (d < best.at_most) best = {d, foot};
     }
@@ -47,10 +47,10 @@ NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> kno
 // Searches from `seed` for the point of B nearest to p, and proves that B has a point there. If this point is nearer
 // than `best`, adds it to the feet and makes it the best.
 void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
-    const auto found = tree_.nearby(p, seed, counters_);
-    if (!found) return;
-    const double d = apart_at_most(p, found->at) + found->error;
-    if (d < best.at_most) best = {d, add(*found)};
+    const auto point = tree_.nearby(p, seed, counters_);
+    if (!point) return;
+    const double d = apart_at_most(p, point->at) + point->error;
+    if (d < best.at_most) best = {d, add(*point)};
 }
 
 // Returns a lower bound on the distance from p to B, and updates `best` if the search finds nearer points. Splits the

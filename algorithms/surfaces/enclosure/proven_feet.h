@@ -46,8 +46,8 @@ public:
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
     // Finds a proven point of B that is about nearest to p, and a lower bound on the distance from p to B. Starts from
-    // `known`, the feet of points near p. May add feet.
-    NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
+    // `near_feet`, the feet of points near p. May add feet.
+    NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> near_feet, const FootSearch& search);
 
 private:
     struct Best {

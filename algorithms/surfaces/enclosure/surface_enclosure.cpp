@@ -198,9 +198,9 @@ private:
             cell.upper = std::min(cell.upper, upper);
             return cell.upper <= result_.bounds.lower;
         };
-        double known = infinity;
-        for (const std::int32_t foot : cell.known_feet()) known = std::min(known, feet_.at_most(piece, foot));
-        if (lowered(known)) return;
+        double to_feet = infinity;
+        for (const std::int32_t foot : cell.known_feet()) to_feet = std::min(to_feet, feet_.at_most(piece, foot));
+        if (lowered(to_feet)) return;
         const double size = 2 * piece.form.half.norm();
         if (may_run_beside(cell.upper, size) && lowered(next_to(piece, feet_.tree(), result_.counters))) return;
         const Vec3 seed = seed_on(piece, piece.form.middle);

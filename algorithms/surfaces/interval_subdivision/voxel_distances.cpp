@@ -67,9 +67,10 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
             const double first = bh[k][j] - al[k], second = ah[k] - bl[k][j];
             t[k] = first > second ? first : second;
         }
-        const double one = (s[0] * s[0] + s[1] * s[1]) + s[2] * s[2], other = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
-        least[lane] = one < least[lane] ? one : least[lane];
-        largest[lane] = other < largest[lane] ? other : largest[lane];
+        const double nearest = (s[0] * s[0] + s[1] * s[1]) + s[2] * s[2],
+                     farthest = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        least[lane] = nearest < least[lane] ? nearest : least[lane];
+        largest[lane] = farthest < largest[lane] ? farthest : largest[lane];
     };
     std::size_t j = 0;
     for (; j + lanes <= m; j += lanes) {
@@ -121,8 +122,8 @@ private:
             if (std::sqrt(cell.squared) * wider + farthest_shift(i, cell.voxel) < std::sqrt(most_)) continue;
             if (holds(a_.nodes[i], voxel))
                 add(i, cell.voxel, cell.squared);
-            else if (const auto own = middle_voxel(i))
-                add(i, *own, -1);
+            else if (const auto middle = middle_voxel(i))
+                add(i, *middle, -1);
         }
     }
 
@@ -170,7 +171,7 @@ private:
         const Voxels::Node& cell = a_.nodes[node];
         if (cell.size == 1) return node;
         for (std::uint32_t i = 0; i < cell.count; ++i) {
-            if (const auto found = middle_voxel(cell.first + (i + cell.count / 2) % cell.count)) return found;
+            if (const auto voxel = middle_voxel(cell.first + (i + cell.count / 2) % cell.count)) return voxel;
         }
         return std::nullopt;
     }

@@ -174,9 +174,9 @@ Certificate changed(const Truth& truth, const std::string& other, Random& random
     if (what == 3) change_bytes(bad.bytes, other, random);
     if (random.below(2)) {
         bad.proven = infinity;
-        const double found = check_certificate(truth.scene.source, {}, truth.scene.target, {}, bad).found;
-        if (!(found < infinity)) return bad;
-        bad.proven = found;
+        const double bound = check_certificate(truth.scene.source, {}, truth.scene.target, {}, bad).found;
+        if (!(bound < infinity)) return bad;
+        bad.proven = bound;
         for (Index steps = random.below(40); steps >= 0; --steps) bad.proven = std::nextafter(bad.proven, 0);
     } else if (what == 4) {
         bad.proven *= 1 - std::pow(2.0, -random.real(1, 53));
@@ -302,9 +302,9 @@ TEST(CertificateAttack, ClaimsThatAreNoLengths) {
             deep.push_back(Node{Kind::cut, 0, 0, CutPoint::corner(1), CutPoint::along(2, 0)});
         deep.insert(deep.end(), deep.size() + 1, Node{});
         for (const Tree& tree : {round, deep}) {
-            const Certificate one = written(Proof{tree}, 9);
-            EXPECT_EQ(check_certificate(a, {}, a, {}, one).accepted, more == 0) << tree.size();
-            EXPECT_EQ(ExactChecker(a, a).claim(one.bytes, 9) == Claim::no_format, more == 1) << tree.size();
+            const Certificate certificate = written(Proof{tree}, 9);
+            EXPECT_EQ(check_certificate(a, {}, a, {}, certificate).accepted, more == 0) << tree.size();
+            EXPECT_EQ(ExactChecker(a, a).claim(certificate.bytes, 9) == Claim::no_format, more == 1) << tree.size();
         }
     }
 }

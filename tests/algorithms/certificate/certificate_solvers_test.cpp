@@ -87,13 +87,13 @@ void check_all(const Scene& scene, const Query& query, const Result& result, Tal
     for (const auto& [name, value] : result.reported) {
         if (name.starts_with(pieces_bounded_anew)) tally.anew += std::get<double>(value);
     }
-    for (const Certificate& one : result.certificates) {
+    for (const Certificate& certificate : result.certificates) {
         const CertificateCheck check =
-            check_certificate(scene.source, query.source_pose, scene.target, query.target_pose, one);
+            check_certificate(scene.source, query.source_pose, scene.target, query.target_pose, certificate);
         EXPECT_TRUE(check.accepted) << where << ": " << check.refusal;
         const double extent = diagonal_of_both(posed(points_of(scene.source), query.source_pose),
                                                posed(points_of(scene.target), query.target_pose));
-        EXPECT_LE(one.proven, result.bounds.upper + 1e-12 * extent) << where;
+        EXPECT_LE(certificate.proven, result.bounds.upper + 1e-12 * extent) << where;
         EXPECT_GE(check.found, 0) << where;
     }
 }
@@ -110,14 +110,14 @@ protected:
         }
     }
 
-    void ask(const TestScene& test, const Query& asked, Tally& tally, const std::string& what) const {
+    void ask(const TestScene& test, const Query& at_rest, Tally& tally, const std::string& what) const {
         if (!refusal(entry.info, kind_of(test.scene.source), kind_of(test.scene.target)).empty()) return;
         QuerySet queries;
         queries.moves = queries.target_moves = test.poses.size() > 1;
-        queries.symmetric = asked.quantity == Quantity::symmetric;
+        queries.symmetric = at_rest.quantity == Quantity::symmetric;
         const Session session(entry, quick_options(entry), test.scene, queries);
         for (std::size_t pose = 0; pose < test.poses.size(); ++pose) {
-            Query query = asked;
+            Query query = at_rest;
             query.wanted.certificate = true;
             (pose % 2 ? query.target_pose : query.source_pose) = test.poses[pose];
             const double extent = diagonal_of_both(posed(points_of(test.scene.source), query.source_pose),
@@ -173,9 +173,9 @@ TEST_P(Certificates, WhateverTheStatus) {
         high.floor = 1e9;
         few.budget = 2;
         none.time_limit = 0;
-        for (const auto& [what, one] :
+        for (const auto& [what, variant] :
              {std::pair("cutoff", low), std::pair("floor", high), std::pair("budget", few), std::pair("no time", none)})
-            ask(scene, one, tally, what);
+            ask(scene, variant, tally, what);
     }
     EXPECT_GT(tally.certificates, 0);
     expect_own_steps(tally);

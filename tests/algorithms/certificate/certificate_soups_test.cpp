@@ -93,10 +93,10 @@ CertificateCheck check(const Case& c, const Certificate& certificate) {
 // Checks that the checker's bound is not below the true distance, and that it accepts exactly the claims at or above
 // its bound.
 void expect_true(const Case& c, const Certificate& certificate, const char* what) {
-    const CertificateCheck found = check(c, certificate);
-    EXPECT_GE(found.found, c.low) << what;
-    EXPECT_EQ(found.accepted, std::isfinite(found.found) && found.found <= certificate.proven) << what;
-    EXPECT_EQ(found.accepted, found.refusal.empty()) << what;
+    const CertificateCheck result = check(c, certificate);
+    EXPECT_GE(result.found, c.low) << what;
+    EXPECT_EQ(result.accepted, std::isfinite(result.found) && result.found <= certificate.proven) << what;
+    EXPECT_EQ(result.accepted, result.refusal.empty()) << what;
 }
 
 void expect_refused(const Case& c, const Certificate& certificate, const char* what) {
@@ -175,13 +175,13 @@ TEST(CertificateSoups, GoodOnesAreAcceptedAndChangedOnesAreTrueOrRefused) {
         if (!c) continue;
         ++written_ones;
         const Certificate good = written(c->proof, c->proven);
-        const CertificateCheck found = check(*c, good);
-        ASSERT_TRUE(found.accepted) << i << ": " << found.refusal;
-        ASSERT_GE(found.found, c->low) << i;
-        cuts += int(found.cuts);
+        const CertificateCheck result = check(*c, good);
+        ASSERT_TRUE(result.accepted) << i << ": " << result.refusal;
+        ASSERT_GE(result.found, c->low) << i;
+        cuts += int(result.cuts);
         std::size_t nodes = 0;
         for (const Tree& tree : c->proof) nodes += tree.size();
-        EXPECT_EQ(found.cuts + found.leaves(), nodes);
+        EXPECT_EQ(result.cuts + result.leaves(), nodes);
         change_nodes(*c, random);
         change_bytes(*c, good, random);
         if (HasFailure()) FAIL() << "soup " << i;
@@ -203,13 +203,13 @@ TEST(CertificateSoups, TheBoundIsExactButForRounding) {
                     if (node.kind != Kind::cut) node.kind = Kind::one;
             }
         }
-        const CertificateCheck found = check(*c, written(c->proof, infinity));
-        ASSERT_TRUE(found.accepted) << found.refusal;
+        const CertificateCheck result = check(*c, written(c->proof, infinity));
+        ASSERT_TRUE(result.accepted) << result.refusal;
         const ExactValue exact = exact_value(c->scene.source, c->scene.target, c->proof);
-        const exact::Rational bound = found.found;
+        const exact::Rational bound = result.found;
         EXPECT_TRUE(bound * bound >= exact.squared) << i;
-        EXPECT_GE(found.found, exact.length * (1 - root_loss) - (found.centre ? 1e-15L * c->size : 0)) << i;
-        EXPECT_LE(found.found, exact.length * (1 + root_loss) + (14 * exact.depth + 100) * u * c->size) << i;
+        EXPECT_GE(result.found, exact.length * (1 - root_loss) - (result.centre ? 1e-15L * c->size : 0)) << i;
+        EXPECT_LE(result.found, exact.length * (1 + root_loss) + (14 * exact.depth + 100) * u * c->size) << i;
         if (exact.squared > 0 && exact.length == exact::root(exact.squared)) ++ones;
     }
     EXPECT_GT(ones, 150);
@@ -223,18 +223,18 @@ TEST(CertificateSoups, ScalesAndPoses) {
         const auto c = random_case(random, 2);
         if (!c) continue;
         const Certificate good = written(c->proof, c->proven);
-        const double found = check(*c, good).found;
+        const double bound = check(*c, good).found;
         for (const int exponent : {-531, -200, 90, 498}) {
             Scene scene = c->scene;
             transform(scene.source, std::ldexp(1.0, exponent), Vec3::Zero());
             transform(scene.target, std::ldexp(1.0, exponent), Vec3::Zero());
             const CertificateCheck scaled = check_certificate(scene.source, Pose{}, scene.target, Pose{}, good);
-            EXPECT_EQ(scaled.found, std::ldexp(found, exponent)) << exponent;
+            EXPECT_EQ(scaled.found, std::ldexp(bound, exponent)) << exponent;
         }
         // Moves both shapes alike. The certificate is about the moved vertices, to the last bit.
         const Pose pose = turned(0.6, 0.8, random.vector(10));
         const CertificateCheck moved = check_certificate(c->scene.source, pose, c->scene.target, pose, good);
-        EXPECT_NEAR(moved.found, found, 1e-13);
+        EXPECT_NEAR(moved.found, bound, 1e-13);
         Scene posed = c->scene;
         for (SharedShape* shape : {&posed.source, &posed.target}) {
             Shape copy = *shape;
@@ -251,17 +251,17 @@ TEST(CertificateSoups, ScalesAndPoses) {
 }
 
 TEST(CertificateSoups, TheEndsOfTheRangeOfDoubles) {
-    const auto found = [](Points a, Points b) {
-        const Certificate one = written(Proof(std::size_t(a.rows()), Tree{{Kind::one}}), infinity);
-        return check_certificate(PointSet{std::move(a)}, Pose{}, PointSet{std::move(b)}, Pose{}, one).found;
+    const auto bound_of = [](Points a, Points b) {
+        const Certificate certificate = written(Proof(std::size_t(a.rows()), Tree{{Kind::one}}), infinity);
+        return check_certificate(PointSet{std::move(a)}, Pose{}, PointSet{std::move(b)}, Pose{}, certificate).found;
     };
-    EXPECT_NEAR(found(rows({{1, 0, 0}}), rows({{1, 3e-200, 4e-200}})), 5e-200, 1e-215);  // squares underflow
-    EXPECT_EQ(found(rows({{0x1p1000, 0x1p-1000, 0}}), rows({{0x1p1000, 0, 0}})),
+    EXPECT_NEAR(bound_of(rows({{1, 0, 0}}), rows({{1, 3e-200, 4e-200}})), 5e-200, 1e-215);  // squares underflow
+    EXPECT_EQ(bound_of(rows({{0x1p1000, 0x1p-1000, 0}}), rows({{0x1p1000, 0, 0}})),
               0x1p-72);  // scaling loses a coordinate
-    EXPECT_EQ(found(rows({{5e-324, 0, 0}}), rows({{0, 0, 0}})), 5e-324);
-    EXPECT_EQ(found(rows({{5e-324, 5e-324, 0}}), rows({{0, 0, 0}})), 1e-323);  // the root of 2, rounded up
-    EXPECT_EQ(found(rows({{1.7e308, 0, 0}}), rows({{-1.7e308, 0, 0}})), infinity);
-    EXPECT_EQ(found(rows({{0x1p1023, 0, 0}}), rows({{0x1p1022, 0, 0}})), 0x1p1022);
+    EXPECT_EQ(bound_of(rows({{5e-324, 0, 0}}), rows({{0, 0, 0}})), 5e-324);
+    EXPECT_EQ(bound_of(rows({{5e-324, 5e-324, 0}}), rows({{0, 0, 0}})), 1e-323);  // the root of 2, rounded up
+    EXPECT_EQ(bound_of(rows({{1.7e308, 0, 0}}), rows({{-1.7e308, 0, 0}})), infinity);
+    EXPECT_EQ(bound_of(rows({{0x1p1023, 0, 0}}), rows({{0x1p1022, 0, 0}})), 0x1p1022);
     Pose far;
     far.translation = Vec3::Constant(1.7e308);
     const Shape a = PointSet{rows({{1e308, 0, 0}})};

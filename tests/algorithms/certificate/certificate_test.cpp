@@ -82,7 +82,7 @@ TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
 TEST(Certificate, BothChildrenOfACut) {
     // In B, triangle 0 is a point above corner 1 of A, and triangle 1 is large, at height 2.
     const TriangleMesh corner = soup(rows({{4, 0, 1}, {4, 0, 1}, {4, 0, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
-    const auto found = [&](const Tree& tree) {
+    const auto bound_of = [&](const Tree& tree) {
         const CertificateCheck check = check_at_rest(flat, corner, written(Proof{tree}, infinity));
         EXPECT_TRUE(check.accepted) << check.refusal;
         EXPECT_EQ(check.cuts + 1, check.leaves());
@@ -91,19 +91,19 @@ TEST(Certificate, BothChildrenOfACut) {
     // The cut goes from P = (3, 0, 0) to Q = (3, 1, 0). The first part, (P, corner 1, Q), is within sqrt(3) of triangle
     // 0.
     const Node at_corner_1 = cut(CutPoint::along(0, 0.75), CutPoint::back(1, 0.75));
-    EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 1)}), 2, 1e-14);
-    EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
-    EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
+    EXPECT_NEAR(bound_of({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 1)}), 2, 1e-14);
+    EXPECT_NEAR(bound_of({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
+    EXPECT_NEAR(bound_of({at_corner_1, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
     const Node turned = cut(at_corner_1.q, at_corner_1.p);
-    EXPECT_NEAR(found({turned, leaf(Kind::one, 1), leaf(Kind::one, 0)}), 2, 1e-14);
-    EXPECT_NEAR(found({turned, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0), 1e-14);
+    EXPECT_NEAR(bound_of({turned, leaf(Kind::one, 1), leaf(Kind::one, 0)}), 2, 1e-14);
+    EXPECT_NEAR(bound_of({turned, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0), 1e-14);
     // A cut that starts at a corner, and one between the ends of two edges (t = 0 and t = 1).
     const Node halved = cut(CutPoint::corner(2), CutPoint::along(0, 0.5));
-    EXPECT_NEAR(found({halved, leaf(Kind::one, 1), leaf(Kind::one, 1)}), 2, 1e-14);
-    EXPECT_NEAR(found({halved, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0),
+    EXPECT_NEAR(bound_of({halved, leaf(Kind::one, 1), leaf(Kind::one, 1)}), 2, 1e-14);
+    EXPECT_NEAR(bound_of({halved, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0),
                 1e-14);  // the first child is (corner 2, corner 0, P)
     const Node ends = cut(CutPoint::along(0, 0), CutPoint::along(1, 1));
-    EXPECT_NEAR(found({ends, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
+    EXPECT_NEAR(bound_of({ends, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
 }
 
 // The cut is so near a corner that 1 - t would be rounded.
@@ -124,31 +124,31 @@ TEST(Certificate, RefusalsNameThePlace) {
         EXPECT_EQ(check.found, infinity);
         return check.refusal;
     };
-    const Node fine = cut(CutPoint::corner(0), CutPoint::along(1, 0.5)), one = leaf(Kind::one, 0);
+    const Node fine = cut(CutPoint::corner(0), CutPoint::along(1, 0.5)), leaf_0 = leaf(Kind::one, 0);
     EXPECT_EQ(refusal({leaf(Kind::one, 2)}), "triangle 0, node 0: a leaf names triangle 2 of 2 in the target");
     EXPECT_EQ(refusal({leaf(Kind::vertex, 0, 3)}), "triangle 0, node 0: a leaf names vertex 3 of 3 in the source");
-    EXPECT_EQ(refusal({fine, one}), "triangle 0, node 2: the certificate ends here");
-    EXPECT_EQ(refusal({fine, one, one, one}), "triangle 1, node 0: there are bytes after the last triangle");
+    EXPECT_EQ(refusal({fine, leaf_0}), "triangle 0, node 2: the certificate ends here");
+    EXPECT_EQ(refusal({fine, leaf_0, leaf_0, leaf_0}), "triangle 1, node 0: there are bytes after the last triangle");
     for (const double t : {-0.0, 1.0000000000000002, std::nan(""), infinity}) {
-        EXPECT_EQ(refusal({cut(CutPoint::corner(0), CutPoint::along(1, t)), one, one}),
+        EXPECT_EQ(refusal({cut(CutPoint::corner(0), CutPoint::along(1, t)), leaf_0, leaf_0}),
                   "triangle 0, node 0: a cut is not between the ends of its edge")
             << t;
     }
     const auto at = [](std::size_t i) { return CutPoint::corner(i); };
     const auto on = [](std::size_t i) { return CutPoint::along(i, 0.5); };
-    EXPECT_EQ(refusal({cut(at(3), on(0)), one, one}), "triangle 0, node 0: a cut names corner 3 of 3");
-    EXPECT_EQ(refusal({cut(at(0), on(3)), one, one}), "triangle 0, node 0: a cut names edge 3 of 3");
-    EXPECT_EQ(refusal({cut(on(1), on(1)), one, one}),
+    EXPECT_EQ(refusal({cut(at(3), on(0)), leaf_0, leaf_0}), "triangle 0, node 0: a cut names corner 3 of 3");
+    EXPECT_EQ(refusal({cut(at(0), on(3)), leaf_0, leaf_0}), "triangle 0, node 0: a cut names edge 3 of 3");
+    EXPECT_EQ(refusal({cut(on(1), on(1)), leaf_0, leaf_0}),
               "triangle 0, node 0: a cut begins and ends at one corner or edge");
-    EXPECT_EQ(refusal({cut(at(1), at(1)), one, one}),
+    EXPECT_EQ(refusal({cut(at(1), at(1)), leaf_0, leaf_0}),
               "triangle 0, node 0: a cut begins and ends at one corner or edge");
     for (const auto& [p, q] : {std::pair(at(0), at(1)), std::pair(at(0), on(0)), std::pair(at(0), on(2))}) {
-        EXPECT_EQ(refusal({cut(p, q), one, one}), "triangle 0, node 0: a cut runs along an edge");
-        EXPECT_EQ(refusal({cut(q, p), one, one}), "triangle 0, node 0: a cut runs along an edge");
+        EXPECT_EQ(refusal({cut(p, q), leaf_0, leaf_0}), "triangle 0, node 0: a cut runs along an edge");
+        EXPECT_EQ(refusal({cut(q, p), leaf_0, leaf_0}), "triangle 0, node 0: a cut runs along an edge");
     }
     const CertificateCheck low = check_tree({leaf(Kind::vertex, 1, 0)}, 0.5);
     EXPECT_EQ(low.refusal, "triangle 0: its leaves show 6.0000000000000009, and the certificate claims 0.5");
-    EXPECT_FALSE(check_tree({one}, std::nan("")).accepted);
+    EXPECT_FALSE(check_tree({leaf_0}, std::nan("")).accepted);
 }
 
 TEST(Certificate, OtherFormatsAndBytesAreRefused) {

@@ -146,13 +146,13 @@ TEST(Penetration, ThreadsChangeNothing) {
     const TriangleMesh ball = sphere(4);
     Query query = query_of();
     query.target_pose.translation = {1.2, 0.3, 0.1};
-    const Result one = depth(ball, ball, {}, query);
+    const Result single = depth(ball, ball, {}, query);
     query.threads = 2;
-    const Result two = depth(ball, ball, {}, query);
-    EXPECT_GT(one.bounds.lower, 0.5);
-    EXPECT_EQ(one.bounds.lower, two.bounds.lower);
-    EXPECT_EQ(one.bounds.upper, two.bounds.upper);
-    EXPECT_EQ(one.witness.source_point, two.witness.source_point);
+    const Result several = depth(ball, ball, {}, query);
+    EXPECT_GT(single.bounds.lower, 0.5);
+    EXPECT_EQ(single.bounds.lower, several.bounds.lower);
+    EXPECT_EQ(single.bounds.upper, several.bounds.upper);
+    EXPECT_EQ(single.witness.source_point, several.witness.source_point);
 }
 
 // Two equally deep parts give the second query a floor at or above the cutoff. The tolerance must still end that query.

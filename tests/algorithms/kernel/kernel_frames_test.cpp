@@ -44,12 +44,12 @@ template <class T> void expect_within_the_error() {
             }
             TriangleFrames<T> frames;
             make_frames(corners, frames);
-            for (std::size_t own = 0; own < points.size(); ++own) {
-                const Vec3& point = points[own];
+            for (std::size_t j = 0; j < points.size(); ++j) {
+                const Vec3& point = points[j];
                 const T p[3] = {static_cast<T>(point[0]), static_cast<T>(point[1]), static_cast<T>(point[2])};
                 T squared[frames_width];
                 squared_distances(frames, p, squared);
-                for (std::size_t i = own % 4; i < frames_width;
+                for (std::size_t i = j % 4; i < frames_width;
                      i += 4) {  // the point's own triangle and some others; exact arithmetic is slow
                     const auto& [a, b, c] = triangles[i];
                     const long double exactly = exact::root(exact::squared_distance_to_triangle(

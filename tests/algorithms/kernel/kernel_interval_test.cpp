@@ -122,11 +122,11 @@ Sample random_polynomial(Random& random) {
 Rational value(const Sample& s, const Vec3& at) {
     Rational sum = 0;
     for (const auto& [c, p, q, r] : s.terms) {
-        Rational one = c;
-        for (int i = 0; i < p; ++i) one *= Rational(at[0]);
-        for (int i = 0; i < q; ++i) one *= Rational(at[1]);
-        for (int i = 0; i < r; ++i) one *= Rational(at[2]);
-        sum += one;
+        Rational summand = c;
+        for (int i = 0; i < p; ++i) summand *= Rational(at[0]);
+        for (int i = 0; i < q; ++i) summand *= Rational(at[1]);
+        for (int i = 0; i < r; ++i) summand *= Rational(at[2]);
+        sum += summand;
     }
     return sum;
 }

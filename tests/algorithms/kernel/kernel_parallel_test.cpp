@@ -23,11 +23,11 @@ TEST(Parts, CoverAllItemsOnce) {
         for (const std::size_t blocks : {1u, 2u, 3u, 7u, 64u, 65u}) {
             std::size_t end = 0, least = items, most = 0;
             for (std::size_t block = 0; block < blocks; ++block) {
-                const Part one = part(items, block, blocks);
-                EXPECT_EQ(one.begin, end);
-                end = one.end;
-                least = std::min(least, one.size());
-                most = std::max(most, one.size());
+                const Part range = part(items, block, blocks);
+                EXPECT_EQ(range.begin, end);
+                end = range.end;
+                least = std::min(least, range.size());
+                most = std::max(most, range.size());
             }
             EXPECT_EQ(end, items);
             EXPECT_LE(most - least, 1u);

@@ -28,28 +28,28 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
         for (int i = 0; i < samples_per_kind; ++i) {
             const Sample sample = kind.make(random);
             const auto& [t, p] = sample;
-            const TrianglePoint found = closest_point(p, t);
+            const TrianglePoint foot = closest_point(p, t);
             const exact::Rational squared = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
                                                                                 exact::vector(t.b), exact::vector(t.c));
             const double m = magnitude_of(sample);
 
-            const exact::Rational high = surface_distance_at_most(found.squared_distance, m, 0);
+            const exact::Rational high = surface_distance_at_most(foot.squared_distance, m, 0);
             ASSERT_TRUE(high * high >= squared) << kind.name << " sample " << i;
-            const double certain = distance_certainly_at_least(p, t, found.point);
+            const double certain = distance_certainly_at_least(p, t, foot.point);
             const exact::Rational low = certain;
             ASSERT_TRUE(low * low <= squared) << kind.name << " sample " << i;
 
             const Box box = box_of(t);
-            ASSERT_TRUE((found.point.array() >= box.low.array()).all() &&
-                        (found.point.array() <= box.high.array()).all());
-            const Vec3 r = p - found.point;
-            ASSERT_EQ(found.squared_distance, squared_length(r));
-            ASSERT_LE(squared_distance_to_box(p, box), found.squared_distance) << "the octree relies on this";
+            ASSERT_TRUE((foot.point.array() >= box.low.array()).all() &&
+                        (foot.point.array() <= box.high.array()).all());
+            const Vec3 r = p - foot.point;
+            ASSERT_EQ(foot.squared_distance, squared_length(r));
+            ASSERT_LE(squared_distance_to_box(p, box), foot.squared_distance) << "the octree relies on this";
 
             const long double distance = exact::root(squared), unit = static_cast<long double>(unit_roundoff) * m;
-            worst = std::max(worst, (std::sqrt(static_cast<long double>(found.squared_distance)) - distance) / unit);
+            worst = std::max(worst, (std::sqrt(static_cast<long double>(foot.squared_distance)) - distance) / unit);
             worst_under =
-                std::max(worst_under, (distance - std::sqrt(static_cast<long double>(found.squared_distance))) / unit);
+                std::max(worst_under, (distance - std::sqrt(static_cast<long double>(foot.squared_distance))) / unit);
             worst_loss = std::max(worst_loss, (distance - certain) / unit);
         }
         fmt::print("{:40} above by {:8.3g}, below by {:8.3g}, certificate short by {:8.3g} (in u M)\n", kind.name,
@@ -134,13 +134,13 @@ TEST(PointTriangle, CertifiedDistancesHoldForAllTriangles) {
         mesh.triangles << 0, 1, 2, 3, 4, 5;
         const Vec3 corners[6] = {t.a, t.b, t.c, v, v, v};
         for (int k = 0; k < 6; ++k) mesh.vertices.row(k) = corners[k];
-        const exact::Rational one = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
-                                                                        exact::vector(t.b), exact::vector(t.c));
-        const exact::Rational two = exact::squared_distance(exact::vector(p), exact::vector(v));
+        const exact::Rational to_triangle = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
+                                                                                exact::vector(t.b), exact::vector(t.c));
+        const exact::Rational to_point = exact::squared_distance(exact::vector(p), exact::vector(v));
         Counters counters;
         const exact::Rational low = certified_distance_by_scan(mesh, p, counters);
-        ASSERT_TRUE(low * low <= std::min(one, two)) << i;
-        if (two < one && squared_length(p - v) > squared_length(p - q)) ++nearer;
+        ASSERT_TRUE(low * low <= std::min(to_triangle, to_point)) << i;
+        if (to_point < to_triangle && squared_length(p - v) > squared_length(p - q)) ++nearer;
     }
     EXPECT_GT(nearer, 50) << "the scene does not show what it is for";
 }

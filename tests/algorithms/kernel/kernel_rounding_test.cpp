@@ -68,9 +68,9 @@ struct Chain {
     std::array<RVec3, 3> exact;
     int level = 0;
 
-    void halve(std::size_t one, std::size_t two, Vec3& middle, RVec3& exact_middle) const {
-        middle = 0.5 * (rounded[one] + rounded[two]);
-        for (std::size_t k = 0; k < 3; ++k) exact_middle[k] = (exact[one][k] + exact[two][k]) / 2;
+    void halve(std::size_t from, std::size_t to, Vec3& middle, RVec3& exact_middle) const {
+        middle = 0.5 * (rounded[from] + rounded[to]);
+        for (std::size_t k = 0; k < 3; ++k) exact_middle[k] = (exact[from][k] + exact[to][k]) / 2;
     }
 };
 
@@ -81,8 +81,8 @@ Chain piece_of(const Chain& chain, Random& random) {
     const std::size_t kept = static_cast<std::size_t>(random.below(5));
     for (std::size_t k = 0; k < 3; ++k) {  // 3: the middle piece; 4: bisection
         if (kept == k || (kept == 4 && k != 0)) continue;
-        const std::size_t one = kept < 3 ? kept : (k + 1) % 3, two = kept < 3 ? k : (k + 2) % 3;
-        chain.halve(one, two, next.rounded[k], next.exact[k]);
+        const std::size_t from = kept < 3 ? kept : (k + 1) % 3, to = kept < 3 ? k : (k + 2) % 3;
+        chain.halve(from, to, next.rounded[k], next.exact[k]);
     }
     return next;
 }

@@ -328,9 +328,9 @@ TEST(PieceBounds, ATieCountsItsOwnDistances) {
 }
 
 TEST(PieceBounds, TheFourthDividesNothingByZero) {
-    const TriangleMesh one = points_as_triangles({{0, 0, 1}});
-    const PieceCorners v = measured({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, one);
-    const Target target(one, nullptr);
+    const TriangleMesh point = points_as_triangles({{0, 0, 1}});
+    const PieceCorners v = measured({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, point);
+    const Target target(point, nullptr);
     Counters counters;
     PieceBounds pieces(target, 1, counters);
     EXPECT_NEAR(pieces.u4(v, 0), std::numbers::sqrt2, 1e-14);

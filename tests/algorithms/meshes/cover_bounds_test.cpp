@@ -489,7 +489,7 @@ public:
         const exact::RVec3 p{Rational(point[0]), Rational(point[1]), Rational(point[2])};
         const Rational squared = exact::squared_distance_to_triangle(p, corner_[0], corner_[1], corner_[2]);
         EXPECT_TRUE(is_at_least(slack * u, squared)) << slack << ", but off by " << exact::root(squared) / u << " u";
-        ++asked;
+        ++measured;
         off += squared > 0;
         farthest_off = std::max(farthest_off, static_cast<double>(exact::root(squared)) / u);
         Counters counters;
@@ -504,7 +504,7 @@ public:
 
     double lower = 0;
     double farthest_off = 0;  // in units of u
-    int asked = 0, off = 0, work = 0;
+    int measured = 0, off = 0, work = 0;
 
 private:
     const TriangleMesh& mesh_;
@@ -526,7 +526,7 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
     Random random(55);
     const LocalUnits place = unit_place();
     const auto end = [&] { return (random.below(2) == 0 ? -1 : 1) * random.real(1.8, 2); };
-    int asked = 0, off = 0;
+    int measured = 0, off = 0;
     for (int i = 0; i < 2000; ++i) {
         Triangle t{random.vector(), random.vector(), random.vector()};
         if (i % 2 == 0) t = {{end(), end(), end()}, {end(), end(), end()}, {end(), end(), end()}};  // long edges
@@ -541,9 +541,9 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
         OffsetCover<double> cover = cover_of(mesh, place);
         cover.set_threshold(host.threshold());
         ASSERT_TRUE(cover_surely(cover, polygon, host, mesh).covered);
-        asked += host.asked, off += host.off;
+        measured += host.measured, off += host.off;
     }
-    EXPECT_GE(asked, 1000);
+    EXPECT_GE(measured, 1000);
     EXPECT_GE(off, 500);
 }
 

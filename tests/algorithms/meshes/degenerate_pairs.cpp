@@ -57,12 +57,12 @@ std::vector<Candidate> certified_solvers() {
         if (!entry.info.certified || !entry.info.source.mesh || !entry.info.target.mesh ||
             !entry.info.offers(Quantity::directed))
             continue;
-        Candidate one{&entry, entry.info.name, {}};
+        Candidate candidate{&entry, entry.info.name, {}};
         for (const ParameterMap& given : variants_of(entry)) {
             const Options options = quick_options(entry, given);
-            if (entry.make(options)->certified()) one.options.push_back(options);
+            if (entry.make(options)->certified()) candidate.options.push_back(options);
         }
-        if (chosen(one.label)) all.push_back(std::move(one));
+        if (chosen(candidate.label)) all.push_back(std::move(candidate));
     }
     return all;
 }
@@ -77,7 +77,7 @@ std::vector<Candidate> controls() {
         all.push_back({&guthe, label, {quick_options(guthe, given)}});
     for (const SolverEntry& entry : solvers())
         if (entry.info.name == "cgal") all.push_back({&entry, "cgal", {quick_options(entry)}});
-    std::erase_if(all, [](const Candidate& one) { return !chosen(one.label); });
+    std::erase_if(all, [](const Candidate& candidate) { return !chosen(candidate.label); });
     return all;
 }
 
@@ -112,19 +112,19 @@ Case mixed_soups(std::uint64_t seed, std::uint64_t number) {
 
 // Returns by how much the distance lies outside the bounds, as a fraction of the largest coordinate. Approximate, but
 // free of overflow and underflow.
-double excess(const Bounds& bounds, const Case& one, double extent) {
+double excess(const Bounds& bounds, const Case& scene, double extent) {
     const exact::Rational unit = std::ldexp(1.0, std::ilogb(extent));
     const auto distance = [&](const exact::Rational& squared) {
         return static_cast<double>(exact::root(squared / (unit * unit)));
     };
     const int exponent = -std::ilogb(extent);
-    return std::max(std::ldexp(bounds.lower, exponent) - distance(one.most),
-                    distance(one.least) - std::ldexp(bounds.upper, exponent));
+    return std::max(std::ldexp(bounds.lower, exponent) - distance(scene.most),
+                    distance(scene.least) - std::ldexp(bounds.upper, exponent));
 }
 
 // Returns an empty string if the interval contains the exact distance, else a description of the failure.
-std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number) {
-    const double extent = one.extent();
+std::string try_case(Candidate& candidate, const Case& scene, std::uint64_t number) {
+    const double extent = scene.extent();
     Query query;
     query.tolerance = {Tolerance::Of::absolute, std::max(1e-6 * extent, 0x1p-1074)};
     query.budget = 2000;
@@ -133,7 +133,7 @@ std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number
     Trace trace;
     Result result;
     try {
-        result = Session(*candidate.entry, options, {one.a, one.b}, {}).solve(query, trace);
+        result = Session(*candidate.entry, options, {scene.a, scene.b}, {}).solve(query, trace);
     } catch (const std::exception& error) {
         ++candidate.thrown;
         return fmt::format("{}: throws {}", candidate.label, error.what());
@@ -142,9 +142,9 @@ std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number
     const bool done = result.status == Status::converged || result.status == Status::precision_floor;
     candidate.unfinished += !done;
     if (done && extent > 0x1p-1000) candidate.worst_gap = std::max(candidate.worst_gap, result.bounds.gap() / extent);
-    if (degenerate::contains(result.bounds.lower, result.bounds.upper, one.least, one.most)) return "";
+    if (degenerate::contains(result.bounds.lower, result.bounds.upper, scene.least, scene.most)) return "";
     ++candidate.wrong;
-    candidate.far += extent > 0x1p-1000 && !(excess(result.bounds, one, extent) <= 1e-9);
+    candidate.far += extent > 0x1p-1000 && !(excess(result.bounds, scene, extent) <= 1e-9);
     std::string given;
     for (const auto& [name, value] : options.values()) given += fmt::format(" {}={}", name, to_string(value));
     return fmt::format("{}{}: [{:a}, {:a}], {}", candidate.label, given, result.bounds.lower, result.bounds.upper,
@@ -154,9 +154,9 @@ std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number
 void print(const std::vector<Candidate>& all) {
     fmt::print("{:30} {:>9} {:>9} {:>9} {:>10} {:>10} {:>7}  {}\n", "solver", "pairs", "wrong", "by > 1e-9",
                "converged", "unfinished", "thrown", "worst gap");
-    for (const Candidate& one : all)
-        fmt::print("{:30} {:9} {:9} {:9} {:10} {:10} {:7}  {:.3g}\n", one.label, one.pairs, one.wrong, one.far,
-                   one.converged, one.unfinished, one.thrown, one.worst_gap);
+    for (const Candidate& candidate : all)
+        fmt::print("{:30} {:9} {:9} {:9} {:10} {:10} {:7}  {:.3g}\n", candidate.label, candidate.pairs, candidate.wrong,
+                   candidate.far, candidate.converged, candidate.unfinished, candidate.thrown, candidate.worst_gap);
 }
 
 // Runs all solvers on the chosen pairs and prints the first `shown` failures of each.
@@ -164,28 +164,28 @@ void run(std::vector<Candidate>& all, Case (*make)(std::uint64_t seed, std::uint
     const std::uint64_t seed = setting("HAUSBENCH_SEED", 1), first = setting("HAUSBENCH_FIRST", 0),
                         count = setting("HAUSBENCH_PAIRS", few);
     std::vector<int> said(all.size(), 0);
-    std::uint64_t known = 0;  // distances known exactly
+    std::uint64_t exactly_known = 0;  // distances known exactly
     for (std::uint64_t number = first; number < first + count; ++number) {
-        const Case one = make(seed, number);
-        known += one.least == one.most;
+        const Case scene = make(seed, number);
+        exactly_known += scene.least == scene.most;
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const std::string problem = try_case(all[k], one, number);
+            const std::string problem = try_case(all[k], scene, number);
             if (!problem.empty() && ++said[k] <= shown)
-                fmt::print("pair {} of seed {} ({}): {}; h^2 = {:.20g}\n", number, seed, one.kind, problem,
-                           CGAL::to_double(one.least));
+                fmt::print("pair {} of seed {} ({}): {}; h^2 = {:.20g}\n", number, seed, scene.kind, problem,
+                           CGAL::to_double(scene.least));
         }
     }
     print(all);
-    fmt::print("{} of {} distances are known exactly\n", known, count);
-    EXPECT_GT(known, count / 2);
+    fmt::print("{} of {} distances are known exactly\n", exactly_known, count);
+    EXPECT_GT(exactly_known, count / 2);
 }
 
 void expect_none_wrong(Case (*make)(std::uint64_t seed, std::uint64_t number)) {
     std::vector<Candidate> all = certified_solvers();
     run(all, make, 5);
-    for (const Candidate& one : all) {
-        EXPECT_EQ(one.wrong, 0) << one.label;
-        EXPECT_EQ(one.thrown, 0) << one.label;
+    for (const Candidate& candidate : all) {
+        EXPECT_EQ(candidate.wrong, 0) << candidate.label;
+        EXPECT_EQ(candidate.thrown, 0) << candidate.label;
     }
 }
 
@@ -198,9 +198,9 @@ TEST(MixedSizes, CertifiedIntervalsHoldTheExactDistance) { expect_none_wrong(mix
 TEST(DegeneratePairs, WhatIsNotCertifiedIsFoundWrong) {
     std::vector<Candidate> all = controls();
     run(all, degenerate_pair, 0);
-    for (const Candidate& one : all) {
-        if (one.label == "guthe kernel=textbook") continue;
-        EXPECT_GT(one.wrong, 0) << one.label;
+    for (const Candidate& candidate : all) {
+        if (candidate.label == "guthe kernel=textbook") continue;
+        EXPECT_GT(candidate.wrong, 0) << candidate.label;
     }
 }
 

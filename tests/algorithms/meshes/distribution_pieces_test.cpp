@@ -239,9 +239,10 @@ TEST(DistributionPieces, BoundsBetweenFoldedTrianglesHoldUnderRounding) {
         tried += bisector_of(s, t).has_value();
         for (std::size_t k = 0; k < 3; ++k) {
             exact::Rational squared = -1;
-            for (const Triangle& one : {s, t}) {
-                const exact::Rational d = exact::squared_distance_to_triangle(
-                    exact::vector(piece.corners[k]), exact::vector(one.a), exact::vector(one.b), exact::vector(one.c));
+            for (const Triangle& triangle : {s, t}) {
+                const exact::Rational d =
+                    exact::squared_distance_to_triangle(exact::vector(piece.corners[k]), exact::vector(triangle.a),
+                                                        exact::vector(triangle.b), exact::vector(triangle.c));
                 if (squared < 0 || d < squared) squared = d;
             }
             const exact::Rational low = std::max(bounds.lower[k], 0.0);

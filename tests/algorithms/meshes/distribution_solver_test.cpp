@@ -33,7 +33,7 @@ Result answer(const Scene& scene, const Query& query, const QuerySet& queries = 
     return session.solve(query, untraced);
 }
 
-Bounds one(const Scene& scene, const Statistic& statistic) {
+Bounds bounds_of(const Scene& scene, const Statistic& statistic) {
     const Result result = answer(scene, query_of({statistic}));
     EXPECT_EQ(result.status, Status::converged) << to_string(statistic) << ": " << result.note;
     return result.statistics.at(0);
@@ -105,10 +105,10 @@ TEST(DistributionSolver, ShowsBoundsInTheUnitOfTheInputFromTheBeginning) {
     EXPECT_EQ(session.solve(query, trace).bounds.upper, result.bounds.upper);
     ASSERT_GE(seen.size(), 3u);
     for (std::size_t i = 0; i < all.size(); ++i) {
-        for (const std::vector<Bounds>& one : seen) {
-            ASSERT_EQ(one.size(), all.size());
-            EXPECT_LE(one[i].lower, result.statistics[i].upper) << i;
-            EXPECT_GE(one[i].upper, result.statistics[i].lower) << i;
+        for (const std::vector<Bounds>& shown : seen) {
+            ASSERT_EQ(shown.size(), all.size());
+            EXPECT_LE(shown[i].lower, result.statistics[i].upper) << i;
+            EXPECT_GE(shown[i].upper, result.statistics[i].lower) << i;
         }
         EXPECT_LE(seen.front()[i].upper, is_share(all[i]) ? 1 : 1e6) << i;
         EXPECT_GE(seen.front()[i].upper, is_share(all[i]) ? 1 : 1e5) << i;
@@ -117,7 +117,7 @@ TEST(DistributionSolver, ShowsBoundsInTheUnitOfTheInputFromTheBeginning) {
     query.time_limit = 0;
     const Result none = answer({a, b}, query);
     EXPECT_EQ(none.status, Status::time_limit);
-    for (const Bounds& one : none.statistics) EXPECT_LT(one.upper, 1e6);
+    for (const Bounds& bounds : none.statistics) EXPECT_LT(bounds.upper, 1e6);
 }
 
 // Coordinates that differ by more than doubles can hold are rounded when they are scaled, and areas with them.
@@ -175,7 +175,7 @@ TEST(DistributionSolver, BothDirections) {
             for (const Over over : all_overs) {
                 Statistic statistic = of;
                 statistic.over = over;
-                bounds[over] = one(each, statistic);
+                bounds[over] = bounds_of(each, statistic);
             }
             const Bounds s = bounds[Over::source], t = bounds[Over::target];
             const auto expect = [&](Over over, double lower, double upper) {
@@ -191,7 +191,8 @@ TEST(DistributionSolver, BothDirections) {
         }
     }
     // The areas are 1 and 16, so pooled = (1 * source + 16 * target) / 17.
-    const Bounds target = one(scene, {Kind::mean, 0, Over::target}), pooled = one(scene, {Kind::mean, 0, Over::pooled});
+    const Bounds target = bounds_of(scene, {Kind::mean, 0, Over::target}),
+                 pooled = bounds_of(scene, {Kind::mean, 0, Over::pooled});
     EXPECT_LE(pooled.lower, (1 + 16 * target.upper) / 17 + 1e-15);
     EXPECT_GE(pooled.upper, (1 + 16 * target.lower) / 17 - 1e-15);
 }
@@ -209,13 +210,13 @@ TEST(DistributionSolver, TwoMeaningsOfHd95) {
     std::vector<Vec3> both = plate(10, 10, 0);
     for (const Vec3& v : plate(5, 2, 5)) both.push_back(v);
     const Scene scene{mesh(plate(10, 10, 0)), mesh(both)};
-    expect_around(one(scene, {Kind::quantile, 0.95, Over::source}), 0);
-    expect_around(one(scene, {Kind::quantile, 0.95, Over::target}), 5);
-    expect_around(one(scene, {Kind::quantile, 0.95, Over::larger}), 5);
-    expect_around(one(scene, {Kind::quantile, 0.95, Over::pooled}), 0);
-    expect_around(one(scene, {Kind::mean, 0, Over::target}), 50.0 / 110);
-    expect_around(one(scene, {Kind::mean, 0, Over::pooled}), 50.0 / 210);
-    expect_around(one(scene, {Kind::share_within, 1, Over::pooled}), 200.0 / 210);  // surface Dice
+    expect_around(bounds_of(scene, {Kind::quantile, 0.95, Over::source}), 0);
+    expect_around(bounds_of(scene, {Kind::quantile, 0.95, Over::target}), 5);
+    expect_around(bounds_of(scene, {Kind::quantile, 0.95, Over::larger}), 5);
+    expect_around(bounds_of(scene, {Kind::quantile, 0.95, Over::pooled}), 0);
+    expect_around(bounds_of(scene, {Kind::mean, 0, Over::target}), 50.0 / 110);
+    expect_around(bounds_of(scene, {Kind::mean, 0, Over::pooled}), 50.0 / 210);
+    expect_around(bounds_of(scene, {Kind::share_within, 1, Over::pooled}), 200.0 / 210);  // surface Dice
 }
 
 TEST(DistributionSolver, AreaAndNumber) {
@@ -250,7 +251,7 @@ TEST(DistributionSolver, PointsAndMeshes) {
     Query query = query_of({{Kind::mean, 0, Over::pooled}});
     query.weigh = WeighBy::number;
     EXPECT_EQ(answer({points, mesh}, query).status, Status::converged);
-    expect_around(one({points, points}, {Kind::mean, 0, Over::pooled}), 0);
+    expect_around(bounds_of({points, points}, {Kind::mean, 0, Over::pooled}), 0);
 }
 
 // Voxels have many equal distances, and lengths that are exactly a distance.
@@ -270,7 +271,7 @@ TEST(DistributionSolver, TiesOfPointsAreExact) {
     for (const double unit : {1.0, 0x1p-700}) {
         const Scene scene{set(a, unit), set(b, unit)};
         const auto exactly = [&](const Statistic& statistic, double value) {
-            const Bounds bounds = one(scene, statistic);
+            const Bounds bounds = bounds_of(scene, statistic);
             EXPECT_LE(bounds.lower, value) << to_string(statistic);
             EXPECT_GE(bounds.upper, value) << to_string(statistic);
             EXPECT_LE(bounds.gap(), 0x1p-52 * (is_share(statistic) ? 1 : value)) << to_string(statistic);
@@ -278,12 +279,13 @@ TEST(DistributionSolver, TiesOfPointsAreExact) {
         exactly({Kind::share_within, 1 * unit}, 10.0 / 20);
         exactly({Kind::share_within, 0}, 5.0 / 20);
         exactly({Kind::quantile, 0.5}, 1 * unit);
-        EXPECT_LE(one(scene, {Kind::quantile, 0.25}).upper, 0x1p-60 * unit);
+        EXPECT_LE(bounds_of(scene, {Kind::quantile, 0.25}).upper, 0x1p-60 * unit);
         exactly({Kind::share_within, std::sqrt(2.0) * unit}, 11.0 / 20);  // the double is above the root of 2
         exactly({Kind::share_within, 2 * unit}, 17.0 / 20);
         exactly({Kind::quantile, 0.85}, 2 * unit);
         exactly({Kind::maximum}, 3 * unit);
-        EXPECT_LT(one(scene, {Kind::share_within, std::sqrt(2.0) * unit}).lower, 11.0 / 20);  // a double above 11/20
+        EXPECT_LT(bounds_of(scene, {Kind::share_within, std::sqrt(2.0) * unit}).lower,
+                  11.0 / 20);  // a double above 11/20
     }
 }
 
@@ -337,16 +339,16 @@ Scene path_and_point(std::vector<double> ends) {
 
 TEST(DistributionSolver, SegmentsAloneCountByLength) {
     const Scene scene = path_and_point({0, 0.125, 1, 3});
-    expect_around(one(scene, {Kind::mean}), 1.5);
-    expect_around(one(scene, {Kind::rms}), std::sqrt(3.0));
-    expect_around(one(scene, {Kind::deviation}), std::sqrt(0.75));
-    expect_around(one(scene, {Kind::quantile, 0.75}), 2.25);
-    expect_around(one(scene, {Kind::share_within, 1}), 1.0 / 3);
-    expect_around(one(scene, {Kind::share_within, 0.0625}), 0.0625 / 3);
-    expect_around(one(scene, {Kind::mean, 0, Over::mean_of_both}), 0.75);
+    expect_around(bounds_of(scene, {Kind::mean}), 1.5);
+    expect_around(bounds_of(scene, {Kind::rms}), std::sqrt(3.0));
+    expect_around(bounds_of(scene, {Kind::deviation}), std::sqrt(0.75));
+    expect_around(bounds_of(scene, {Kind::quantile, 0.75}), 2.25);
+    expect_around(bounds_of(scene, {Kind::share_within, 1}), 1.0 / 3);
+    expect_around(bounds_of(scene, {Kind::share_within, 0.0625}), 0.0625 / 3);
+    expect_around(bounds_of(scene, {Kind::mean, 0, Over::mean_of_both}), 0.75);
     EXPECT_EQ(answer(scene, query_of({{Kind::maximum}})).witness.source_element, 2);
     const Scene lengths = path_and_point({0, 1e-12, 1});  // a short segment counts little
-    expect_around(one(lengths, {Kind::mean}), 0.5);
+    expect_around(bounds_of(lengths, {Kind::mean}), 0.5);
 }
 
 TEST(DistributionSolver, ATriangleMakesSegmentsCountNothing) {
@@ -358,8 +360,8 @@ TEST(DistributionSolver, ATriangleMakesSegmentsCountNothing) {
     TriangleMesh floor = sheet(4, 0);
     floor.vertices *= 10;
     EXPECT_EQ(counted_by(both), CountedBy::area);
-    expect_around(one({both, floor}, {Kind::mean}), 1);
-    expect_around(one({both, floor}, {Kind::maximum}), 9);
+    expect_around(bounds_of({both, floor}, {Kind::mean}), 1);
+    expect_around(bounds_of({both, floor}, {Kind::maximum}), 9);
 }
 
 TEST(DistributionSolver, WhatIsCountedByAreaLengthOrNumber) {
@@ -372,9 +374,9 @@ TEST(DistributionSolver, WhatIsCountedByAreaLengthOrNumber) {
     Query by_number = query_of({{Kind::mean}});
     by_number.weigh = WeighBy::number;
     expect_around(answer(scene, by_number).statistics[0], 1);
-    EXPECT_THROW(one({path_and_point({0, 1}).source, sheet(2, 1)}, {Kind::mean, 0, Over::pooled}), InputError);
+    EXPECT_THROW(bounds_of({path_and_point({0, 1}).source, sheet(2, 1)}, {Kind::mean, 0, Over::pooled}), InputError);
     const Scene lines{path_and_point({0, 1}).source, path_and_point({0, 2}).source};
-    expect_around(one(lines, {Kind::mean, 0, Over::pooled}), 0.5 / 3);
+    expect_around(bounds_of(lines, {Kind::mean, 0, Over::pooled}), 0.5 / 3);
 }
 
 }  // namespace

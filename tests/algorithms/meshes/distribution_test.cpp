@@ -45,7 +45,7 @@ Narrowed answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query
     return narrow(&way, nullptr, std::max(magnitude(a.vertices), magnitude(b.vertices)), query, unwatched);
 }
 
-Bounds one(const TriangleMesh& a, const TriangleMesh& b, const Statistic& statistic, double tolerance = 1e-10) {
+Bounds bounds_of(const TriangleMesh& a, const TriangleMesh& b, const Statistic& statistic, double tolerance = 1e-10) {
     Query query;
     query.statistics = {statistic};
     query.tolerance = {Tolerance::Of::absolute, tolerance};
@@ -56,7 +56,7 @@ Bounds one(const TriangleMesh& a, const TriangleMesh& b, const Statistic& statis
 
 // Expects that the bounds contain a closed form and come within 1e-9 of it.
 void expect_closed(const TriangleMesh& a, const TriangleMesh& b, const Statistic& statistic, double value) {
-    const Bounds bounds = one(a, b, statistic);
+    const Bounds bounds = bounds_of(a, b, statistic);
     const double rounding = 4 * unit_roundoff * value;  // of `value`
     EXPECT_LE(bounds.lower, value + rounding);
     EXPECT_GE(bounds.upper, value - rounding);
@@ -74,7 +74,7 @@ TEST(Distribution, SliversGetShorter) {
                                     {{0.25, 0.75, 0.5}, {0, 0, 0}, {0.75, 0.25, 0.75}},
                                     {{1, 1, 0.75}, {1, 0.25, 1}, {0.75, 0, 0}},
                                     {{1, 0.75, 0.75}, {1, 1, 0.5}, {0.75, 0.75, 1}}});
-    EXPECT_LE(one(a, b, {Kind::maximum}, 1e-6).gap(), 1e-6);
+    EXPECT_LE(bounds_of(a, b, {Kind::maximum}, 1e-6).gap(), 1e-6);
 }
 
 TEST(Distribution, ParallelPlates) {
@@ -84,7 +84,7 @@ TEST(Distribution, ParallelPlates) {
     expect_closed(a, b, {Kind::rms}, 0.5);
     expect_closed(a, b, {Kind::maximum}, 0.5);
     expect_closed(a, b, {Kind::quantile, 0.95}, 0.5);
-    const Bounds deviation = one(a, b, {Kind::deviation});
+    const Bounds deviation = bounds_of(a, b, {Kind::deviation});
     EXPECT_EQ(deviation.lower, 0);
     EXPECT_LE(deviation.upper, 1e-6);  // the root of the rounding errors
     expect_closed(a, b, {Kind::share_within, 0.5 + 1e-12}, 1);
@@ -279,7 +279,7 @@ TEST(Distribution, RandomSoupsAgainstSmallParts) {
 // Two triangles a hair above B: the distance is 0.5 and varies by 1e-9, and so little must not be lost in its square.
 TEST(Distribution, ASmallDeviationOfALargeDistance) {
     const TriangleMesh a = mesh_of(plate({0, 0, 0.5}, {0.5, 0, 1e-9}, {0, 0.5, 0}));
-    const Bounds bounds = one(a, mesh_of(plate({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})), {Kind::deviation}, 1e-13);
+    const Bounds bounds = bounds_of(a, mesh_of(plate({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})), {Kind::deviation}, 1e-13);
     const double height = (0.5 + 1e-9) - 0.5;
     EXPECT_LE(bounds.lower, height / std::sqrt(12.0));
     EXPECT_GE(bounds.upper, height / std::sqrt(12.0));
@@ -410,10 +410,10 @@ TEST(Distribution, CrossingTrianglesOfIdenticalMeshesNeedFewPieces) {
     query.statistics = {{Kind::mean}};
     query.tolerance = {Tolerance::Of::lower, 1e-3};
     query.time_limit = 5;
-    const Narrowed found = answer(a, a, query);
-    EXPECT_EQ(to_string(found.status), to_string(Status::precision_floor));
-    EXPECT_LE(found.pieces, 100u);
-    EXPECT_LE(found.bounds[0].upper, 1e-12);
+    const Narrowed narrowed = answer(a, a, query);
+    EXPECT_EQ(to_string(narrowed.status), to_string(Status::precision_floor));
+    EXPECT_LE(narrowed.pieces, 100u);
+    EXPECT_LE(narrowed.bounds[0].upper, 1e-12);
 }
 
 // One side of A lies in a large triangle of B, and above that side another triangle of B is nearer. All corners are at their
@@ -424,9 +424,9 @@ TEST(Distribution, LowerBoundsBelowZeroAreGapsIfThePieceRises) {
     Query query;
     query.statistics = {{Kind::mean}};
     query.tolerance = {Tolerance::Of::lower, 1e-6};
-    const Narrowed found = answer(a, b, query);
-    EXPECT_EQ(to_string(found.status), to_string(Status::converged));
-    EXPECT_LE(found.pieces, 20'000u);
+    const Narrowed narrowed = answer(a, b, query);
+    EXPECT_EQ(to_string(narrowed.status), to_string(Status::converged));
+    EXPECT_LE(narrowed.pieces, 20'000u);
 }
 
 TEST(Distribution, TheNumberOfThreadsDoesNotMatter) {
@@ -450,7 +450,7 @@ TEST(Distribution, WithoutAreaAllIsBetweenTheLeastAndTheGreatestDistance) {
     const TriangleMesh a = mesh_of({{{0, 0, 1}, {1, 0, 2}, {1, 0, 2}}}),
                        b = mesh_of(plate({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}));
     for (const Statistic& statistic : std::vector<Statistic>{{Kind::mean}, {Kind::rms}, {Kind::quantile, 0.5}}) {
-        const Bounds bounds = one(a, b, statistic);
+        const Bounds bounds = bounds_of(a, b, statistic);
         EXPECT_LE(bounds.lower, 1);
         EXPECT_GE(bounds.upper, 2);
         EXPECT_LE(bounds.upper, 2.1);

@@ -88,7 +88,7 @@ TEST(MeshMotion, AllIntervalsOverlap) {
     for (const SolverEntry& entry : chosen) {
         const bool sharp = reaches_the_tolerance(entry.info);
         const Session session(entry, quick_options(entry), scene, moving);
-        const std::unique_ptr<State> one = session.begin(), both = session.begin();
+        const std::unique_ptr<State> directed = session.begin(), both = session.begin();
         for (std::size_t i = 0; i < places.size(); ++i) {
             for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
                 const std::string where =
@@ -99,7 +99,7 @@ TEST(MeshMotion, AllIntervalsOverlap) {
                 query.target_pose = places[i].target;
                 query.tolerance = {Tolerance::Of::absolute, 1e-4};
                 Trace trace;
-                State* state = quantity == Quantity::directed ? one.get() : both.get();
+                State* state = quantity == Quantity::directed ? directed.get() : both.get();
                 const Result cold = session.solve(query, trace), warm = session.solve(query, state, trace);
                 for (const auto& [result, how] : {std::pair{&cold, ", cold"}, std::pair{&warm, ", warm"}}) {
                     common[{i, quantity}].add(result->bounds, where + how);
@@ -131,11 +131,11 @@ TEST(MeshMotion, ThreadsChangeNothing) {
         if (!entry.info.can(Ability::threads) || !entry.info.can(Ability::warm)) continue;
         ++tried;
         const Session session(entry, quick_options(entry), scene, threaded);
-        const std::unique_ptr<State> one = session.begin(), three = session.begin();
+        const std::unique_ptr<State> single = session.begin(), three = session.begin();
         for (const Place& place : motion(5)) {
             Query query = symmetric_query(place);
             Trace trace;
-            const Result alone = session.solve(query, one.get(), trace);
+            const Result alone = session.solve(query, single.get(), trace);
             query.threads = 3;
             const Result together = session.solve(query, three.get(), trace);
             expect_same_answer(alone, together, entry.info.name);
@@ -171,12 +171,12 @@ TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
 TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)}, turned_round{scene.target, scene.source};
     for (const SolverEntry& entry : movers()) {
-        const Session one(entry, quick_options(entry), scene, moving),
+        const Session session(entry, quick_options(entry), scene, moving),
             other(entry, quick_options(entry), turned_round, moving);
         for (const Place& place : motion(4)) {
             Query query = symmetric_query(place);
             Trace trace;
-            const Bounds a = one.solve(query, trace).bounds;
+            const Bounds a = session.solve(query, trace).bounds;
             std::swap(query.source_pose, query.target_pose);
             const Bounds b = other.solve(query, trace).bounds;
             EXPECT_LE(a.lower, b.upper) << entry.info.name;
@@ -255,9 +255,9 @@ TEST(MeshMotion, APoseThatStretches) {
                 Query at_rest = query;
                 at_rest.source_pose = Pose{};
                 Trace trace;
-                const Bounds one = session.solve(query, trace).bounds, two = still.solve(at_rest, trace).bounds;
-                EXPECT_LE(one.lower, two.upper) << entry.info.name;
-                EXPECT_GE(one.upper, two.lower) << entry.info.name;
+                const Bounds moved = session.solve(query, trace).bounds, rested = still.solve(at_rest, trace).bounds;
+                EXPECT_LE(moved.lower, rested.upper) << entry.info.name;
+                EXPECT_GE(moved.upper, rested.lower) << entry.info.name;
             }
         }
     }

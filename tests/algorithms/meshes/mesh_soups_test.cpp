@@ -78,13 +78,13 @@ double covering_radius(const TriangleMesh& a, int n) {
 }
 
 std::vector<const SolverEntry*> mesh_solvers() {
-    std::vector<const SolverEntry*> found;
+    std::vector<const SolverEntry*> chosen;
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.certified && entry.info.source.mesh && entry.info.target.mesh &&
             entry.info.offers(Quantity::directed))
-            found.push_back(&entry);
+            chosen.push_back(&entry);
     }
-    return found;
+    return chosen;
 }
 
 TEST(MeshSoups, IntervalsHoldBothReferencesAndOverlap) {

@@ -115,7 +115,7 @@ TEST(Grid, PointsAreAsCloseToTheirTriangleAsDerived) {
 
 // --- the solver -------------------------------------------------------------------------------------------------------
 
-struct Asked {
+struct Request {
     double step = 0.1, tolerance = 1e-30;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();
     double time_limit = std::numeric_limits<double>::infinity();
@@ -123,22 +123,22 @@ struct Asked {
     bool fields = false;
 };
 
-Result solve(const Scene& scene, const Asked& asked, Trace& trace) {
+Result solve(const Scene& scene, const Request& request, Trace& trace) {
     const SolverEntry& sampling = find_solver("sampling");
-    const Session session(sampling, Options("sampling", sampling.info.parameters, {{"step", asked.step}}), scene, {});
+    const Session session(sampling, Options("sampling", sampling.info.parameters, {{"step", request.step}}), scene, {});
     Query query;
-    query.tolerance = {Tolerance::Of::absolute, asked.tolerance};
-    query.floor = asked.floor;
-    query.cutoff = asked.cutoff;
-    query.time_limit = asked.time_limit;
-    query.budget = asked.budget;
-    query.wanted.fields = asked.fields;
+    query.tolerance = {Tolerance::Of::absolute, request.tolerance};
+    query.floor = request.floor;
+    query.cutoff = request.cutoff;
+    query.time_limit = request.time_limit;
+    query.budget = request.budget;
+    query.wanted.fields = request.fields;
     return session.solve(query, trace);
 }
 
-Result solve(const Scene& scene, const Asked& asked) {
+Result solve(const Scene& scene, const Request& request) {
     Trace trace;
-    return solve(scene, asked, trace);
+    return solve(scene, request, trace);
 }
 
 Scene one_triangle(const Triangle& a, const std::vector<Vec3>& b) {
@@ -340,13 +340,13 @@ TEST(Sampling, FieldsHoldOfEachTriangleWhereverItStops) {
     for (int i = 0; i < 60; ++i) {
         const Points a = cloud(random, 12);
         const TriangleMesh source = soup(a), target = soup(cloud(random, 9));
-        const std::vector<Asked> all{{.fields = true},
-                                     {.budget = 40, .fields = true},
-                                     {.floor = 0.5, .fields = true},
-                                     {.cutoff = 0.2, .fields = true},
-                                     {.time_limit = 1e-12, .fields = true}};
-        for (const Asked& asked : all) {
-            const Result result = solve({source, target}, asked);
+        const std::vector<Request> all{{.fields = true},
+                                       {.budget = 40, .fields = true},
+                                       {.floor = 0.5, .fields = true},
+                                       {.cutoff = 0.2, .fields = true},
+                                       {.time_limit = 1e-12, .fields = true}};
+        for (const Request& request : all) {
+            const Result result = solve({source, target}, request);
             ASSERT_TRUE(result.fields);
             for (Index t = 0; t < source.triangles.rows(); ++t) {
                 const auto [low, high] = MeshReference(target).hausdorff(a, source.triangles.row(t), 1e-2L);
@@ -354,7 +354,7 @@ TEST(Sampling, FieldsHoldOfEachTriangleWhereverItStops) {
                 EXPECT_LE((*result.fields)[0].values[at], high) << i;
                 EXPECT_GE((*result.fields)[1].values[at], low) << i;
                 EXPECT_LE((*result.fields)[0].values[at], result.bounds.lower) << i;
-                if (asked.floor == 0) {
+                if (request.floor == 0) {
                     EXPECT_LE((*result.fields)[1].values[at], result.bounds.upper) << i;
                 }
             }
@@ -367,9 +367,9 @@ TEST(Sampling, StopsWhereItMay) {
     const TriangleMesh a = soup(cloud(random, 30)), b = soup(cloud(random, 30));
     const Result whole = solve({a, b}, {.step = 0.02});
     EXPECT_EQ(to_string(whole.status), "budget");
-    const auto stops = [&](Asked asked, const char* status) {
-        asked.step = 0.02;
-        const Result result = solve({a, b}, asked);
+    const auto stops = [&](Request request, const char* status) {
+        request.step = 0.02;
+        const Result result = solve({a, b}, request);
         EXPECT_EQ(to_string(result.status), status);
         EXPECT_LE(result.bounds.lower, whole.bounds.upper);
         EXPECT_GE(result.bounds.upper, whole.bounds.lower);

@@ -177,7 +177,7 @@ TEST(NearWalk, FindsAllLeavesWithinReach) {
     for (int i = 0; i < 50; ++i) {
         const Vec3 centre = random.vector();
         const double reach = random.real(0, 0.3);
-        std::set<Index> found;
+        std::set<Index> visited;
         Counters counters;
         visit_near_leaves(tree, centre, reach, counters, [&](std::size_t leaf) {
             const std::array<Vec3, 3> points{centre, random.vector(), random.vector()};
@@ -186,7 +186,7 @@ TEST(NearWalk, FindsAllLeavesWithinReach) {
             const auto triangles = tree.tree().leaf(leaf);
             for (std::size_t k = 0; k < triangles.size(); ++k) {
                 if ((mask >> k & 1) == 0) continue;
-                found.insert(triangles[k]);
+                visited.insert(triangles[k]);
                 for (std::size_t p = 0; p < 3; ++p)
                     EXPECT_EQ(squared[p][k],
                               closest_point(points[p], triangle_of(mesh, triangles[k])).squared_distance);
@@ -194,9 +194,9 @@ TEST(NearWalk, FindsAllLeavesWithinReach) {
         });
         for (Index t = 0; t < mesh.triangles.rows(); ++t) {
             const bool near = closest_point(centre, triangle_of(mesh, t)).squared_distance <= reach * reach;
-            EXPECT_TRUE(!near || found.contains(t));
+            EXPECT_TRUE(!near || visited.contains(t));
         }
-        EXPECT_LT(found.size(), 300u);
+        EXPECT_LT(visited.size(), 300u);
     }
 }
 
@@ -507,14 +507,14 @@ TEST(Tang, IdenticalMeshesNeedNoSplit) {
 
 // Too many triangles are near for a list, so closest-point queries must take over.
 TEST(Tang, StackedDuplicatesConverge) {
-    const TriangleMesh one = sheet(3, 0, 0.3);
-    TriangleMesh many = one;
-    many.triangles.resize(100 * one.triangles.rows(), 3);
+    const TriangleMesh layer = sheet(3, 0, 0.3);
+    TriangleMesh many = layer;
+    many.triangles.resize(100 * layer.triangles.rows(), 3);
     for (Index k = 0; k < 100; ++k)
-        many.triangles.middleRows(k * one.triangles.rows(), one.triangles.rows()) = one.triangles;
+        many.triangles.middleRows(k * layer.triangles.rows(), layer.triangles.rows()) = layer.triangles;
     const TriangleMesh a = sheet(4, 0.2, 0.3);
     for (const ParameterMap& given : options()) {
-        const Result result = solve({a, many}, asking(1e-5), given), single = solve({a, one}, asking(1e-5), given);
+        const Result result = solve({a, many}, asking(1e-5), given), single = solve({a, layer}, asking(1e-5), given);
         EXPECT_EQ(to_string(result.status), "converged");
         EXPECT_LE(result.bounds.lower, single.bounds.upper);
         EXPECT_LE(single.bounds.lower, result.bounds.upper);

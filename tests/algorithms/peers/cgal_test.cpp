@@ -32,11 +32,11 @@ void expect_answers(const char* name, const Faces& faces) {
     TriangleMesh other = mesh_of_faces({{0, 1, 2}});
     other.vertices.rowwise() += Eigen::RowVector3d(0.3, 0.1, 0.25);
     for (const bool back : {false, true}) {
-        const Bounds found = back ? bounds_by("cgal", other, odd) : bounds_by("cgal", odd, other);
-        const Bounds known = back ? bounds_by("guthe", other, odd) : bounds_by("guthe", odd, other);
-        EXPECT_LE(found.gap(), 2e-6) << name;
-        EXPECT_LE(found.lower, known.upper + 1e-12) << name << (back ? ", back" : "");
-        EXPECT_GE(found.upper, known.lower - 1e-12) << name << (back ? ", back" : "");
+        const Bounds by_cgal = back ? bounds_by("cgal", other, odd) : bounds_by("cgal", odd, other);
+        const Bounds by_guthe = back ? bounds_by("guthe", other, odd) : bounds_by("guthe", odd, other);
+        EXPECT_LE(by_cgal.gap(), 2e-6) << name;
+        EXPECT_LE(by_cgal.lower, by_guthe.upper + 1e-12) << name << (back ? ", back" : "");
+        EXPECT_GE(by_cgal.upper, by_guthe.lower - 1e-12) << name << (back ? ", back" : "");
     }
 }
 

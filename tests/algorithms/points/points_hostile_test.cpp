@@ -31,8 +31,8 @@ double work(const Counters& counters) {
 class Hostile : public testing::Test {
 protected:
     Points points(const std::string& name) const {
-        const auto found = catalogue_.resolve(name);
-        return points_of(read_shape(std::get<ResolvedModel>(found).shape_file).shape);
+        const auto model = catalogue_.resolve(name);
+        return points_of(read_shape(std::get<ResolvedModel>(model).shape_file).shape);
     }
 
     Scene scene(const std::string& source, const std::string& target) const {

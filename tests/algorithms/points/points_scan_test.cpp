@@ -316,15 +316,15 @@ TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     for (int i = 0; i < 2 * kinds; ++i) {
         const Pair pair = random_pair(random, i % kinds, 20'000 + random.below(20'000), 40'000 + random.below(20'000));
         const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
-        Result one;
+        Result single;
         for (const int threads : {1, 2, 3, 8}) {
             const Result result = with_threads(pair, threads, {{"threads_from", std::int64_t{0}}});
-            if (threads == 1) one = result;
-            EXPECT_EQ(result.bounds.lower, one.bounds.lower) << where;
-            EXPECT_EQ(result.bounds.upper, one.bounds.upper) << where;
-            EXPECT_EQ(result.witness.source_element, one.witness.source_element) << where;
-            EXPECT_EQ(result.witness.target_element, one.witness.target_element) << where;
-            EXPECT_EQ(result.counters, one.counters) << where;
+            if (threads == 1) single = result;
+            EXPECT_EQ(result.bounds.lower, single.bounds.lower) << where;
+            EXPECT_EQ(result.bounds.upper, single.bounds.upper) << where;
+            EXPECT_EQ(result.witness.source_element, single.witness.source_element) << where;
+            EXPECT_EQ(result.witness.target_element, single.witness.target_element) << where;
+            EXPECT_EQ(result.counters, single.counters) << where;
         }
     }
 }
@@ -342,13 +342,13 @@ TEST(PointCells, HoldEachChosenRowOnce) {
         if (which && chosen.empty()) continue;
         const Box box = extent_of(points).box;
         const double per_length = std::pow(10.0, random.below(5)) / std::max((box.high - box.low).maxCoeff(), 1e-300);
-        const PointCells one(points, which, box, per_length, Threads(1)),
+        const PointCells single(points, which, box, per_length, Threads(1)),
             three(points, which, box, per_length, Threads(3));
         for (Index j = 0; j < points.rows(); ++j) {
-            const PointCells::Cell cell = one.cell_of(points.row(j).data());
+            const PointCells::Cell cell = single.cell_of(points.row(j).data());
             int times = 0;
             Index other = three.first(cell);
-            for (Index k = one.first(cell); k >= 0; k = one.next(k), other = three.next(other)) {
+            for (Index k = single.first(cell); k >= 0; k = single.next(k), other = three.next(other)) {
                 ASSERT_EQ(k, other);
                 times += k == j;
                 ASSERT_TRUE(!which || std::binary_search(chosen.begin(), chosen.end(), k));

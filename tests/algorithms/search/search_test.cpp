@@ -138,13 +138,12 @@ TEST(Subdivision, TheLongestEdgeIsHalved) {
         const auto cut = cut_triangle(corners, Split::longest_edge, [](const Vec3& point, const Marked&) {
             return Marked{point, 3};
         });
-        bool found = false;
+        bool matches = false;
         for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 &one = corners[k].point, &two = corners[(k + 1) % 3].point;
-            found =
-                found || (cut.vertices[3].point == 0.5 * (one + two) && (one - two).norm() == longest_side(corners));
+            const Vec3 &p = corners[k].point, &q = corners[(k + 1) % 3].point;
+            matches = matches || (cut.vertices[3].point == 0.5 * (p + q) && (p - q).norm() == longest_side(corners));
         }
-        EXPECT_TRUE(found) << i;
+        EXPECT_TRUE(matches) << i;
     }
 }
 
@@ -179,8 +178,8 @@ constexpr int last_level = 50;
 
 // A search whose B is one point, the origin, so that a point's distance is its length. M, the largest coordinate, is 1.
 struct Search {
-    explicit Search(const Query& asked = {}, bool certify = true, Trace::Mode mode = Trace::Mode::off)
-        : query(asked), trace(mode), bounds(query, target, {1, certify}, counters, trace) {
+    explicit Search(const Query& given = {}, bool certify = true, Trace::Mode mode = Trace::Mode::off)
+        : query(given), trace(mode), bounds(query, target, {1, certify}, counters, trace) {
         b.vertices = Points::Zero(3, 3);
         b.triangles = Triangles(1, 3);
         b.triangles << 0, 1, 2;
@@ -493,16 +492,17 @@ TEST(Target, TheTreeAndTheScanAgree) {
         PointBlock block;
         Points points(block_width, 3);
         for (int i = 0; i < 50; ++i) {
-            Counters one, two;
+            Counters scan_work, tree_work;
             const Vec3 point = random.vector();
-            const ClosestPoint by_scan = scan.closest(point, -1, one), by_tree = tree.closest(point, i % 20, two);
+            const ClosestPoint by_scan = scan.closest(point, -1, scan_work),
+                               by_tree = tree.closest(point, i % 20, tree_work);
             // Textbook distances depend on which corner comes first, and a tree rotates the corners of its triangles.
             EXPECT_NEAR(by_scan.squared_distance, by_tree.squared_distance, textbook ? 1e-12 : 0);
-            EXPECT_EQ(one.closest_point_queries, 1u);
-            EXPECT_EQ(two.closest_point_queries, 1u);
+            EXPECT_EQ(scan_work.closest_point_queries, 1u);
+            EXPECT_EQ(tree_work.closest_point_queries, 1u);
             EXPECT_EQ(scan.squared_distance(point, scan.triangle(by_scan.triangle)), by_scan.squared_distance);
-            EXPECT_EQ(scan.certified_distance(point, one), tree.certified_distance(point, two));
-            EXPECT_LE(scan.certified_distance(point, one), std::sqrt(by_scan.squared_distance) * (1 + 1e-14));
+            EXPECT_EQ(scan.certified_distance(point, scan_work), tree.certified_distance(point, tree_work));
+            EXPECT_LE(scan.certified_distance(point, scan_work), std::sqrt(by_scan.squared_distance) * (1 + 1e-14));
 
             for (Index lane = 0; lane < block_width; ++lane) {
                 const Vec3 other = random.vector();

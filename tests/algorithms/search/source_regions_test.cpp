@@ -24,12 +24,12 @@ TriangleMesh scaled(TriangleMesh mesh, double factor, const Vec3& offset) {
     return mesh;
 }
 
-TriangleMesh joined(const TriangleMesh& one, const TriangleMesh& two) {
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
     TriangleMesh all;
-    all.vertices.resize(one.vertices.rows() + two.vertices.rows(), 3);
-    all.vertices << one.vertices, two.vertices;
-    all.triangles.resize(one.triangles.rows() + two.triangles.rows(), 3);
-    all.triangles << one.triangles, two.triangles.array() + static_cast<Index>(one.vertices.rows());
+    all.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
+    all.vertices << a.vertices, b.vertices;
+    all.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
+    all.triangles << a.triangles, b.triangles.array() + static_cast<Index>(a.vertices.rows());
     return all;
 }
 
@@ -189,8 +189,8 @@ TEST(SourceRegions, ChangeNoAnswerOfASolver) {
 
 // Even if bounds alone could answer the query, the solver must measure a point and give a witness.
 TEST(SourceRegions, LeaveAWitness) {
-    const TriangleMesh one = points_as_triangles(std::vector<Vec3>(40, Vec3(1, 2, 3)));
-    const Scene same{one, one}, apart{sheet(12, 0), sheet(12, 3)};
+    const TriangleMesh copies = points_as_triangles(std::vector<Vec3>(40, Vec3(1, 2, 3)));
+    const Scene same{copies, copies}, apart{sheet(12, 0), sheet(12, 3)};
     Query query;
     query.tolerance = {Tolerance::Of::absolute, 1e-4};
     for (const char* name : {"guthe", "zheng"}) {

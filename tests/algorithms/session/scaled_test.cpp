@@ -240,9 +240,9 @@ TEST(SessionRange, FarPosesAreScaledByThePosedExtents) {
                 expect_enclosed(entry, unit * a, unit * b, pose);
                 const exact::RVec3 p = exact::vector(result.witness.source_point);
                 const Points there = posed(unit * a, pose);
-                bool found = false;
-                for (Index i = 0; i < there.rows(); ++i) found = found || exact::vector(there.row(i)) == p;
-                EXPECT_TRUE(found) << entry.info.name;
+                bool attained = false;
+                for (Index i = 0; i < there.rows(); ++i) attained = attained || exact::vector(there.row(i)) == p;
+                EXPECT_TRUE(attained) << entry.info.name;
             }
         }
     }
@@ -395,15 +395,15 @@ TEST(SessionWidening, ATargetThatUnderflows) {
 
 // A bit lost by scaling decides a tie, so a sum moves by one ulp.
 TEST(SessionWidening, RoundingsThatGoTheOtherWay) {
-    const double one = 0x1p-1000, above = one * (1 + 0x1p-52), half_an_ulp_and_a_bit = 0x1p-53 * (1 + 0x1p-23);
+    const double unit = 0x1p-1000, above = unit * (1 + 0x1p-52), half_an_ulp_and_a_bit = 0x1p-53 * (1 + 0x1p-23);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     sum.row(0) << 1, half_an_ulp_and_a_bit, 0;
-    ASSERT_EQ(posed(rows({{one, one, 0}}), stretched(sum))(0, 0), one);
-    expect_enclosed(rows({{one, one, 0}}), rows({{above, 0, 0}}), stretched(sum));
+    ASSERT_EQ(posed(rows({{unit, unit, 0}}), stretched(sum))(0, 0), unit);
+    expect_enclosed(rows({{unit, unit, 0}}), rows({{above, 0, 0}}), stretched(sum));
     Eigen::Matrix3d little = Eigen::Matrix3d::Zero();
     little(0, 0) = half_an_ulp_and_a_bit;
-    ASSERT_EQ(posed(rows({{one, 0, 0}}), stretched(little, {one, 0, 0}))(0, 0), one);
-    expect_enclosed(rows({{one, 0, 0}}), rows({{above, 0, 0}}), stretched(little, {one, 0, 0}));
+    ASSERT_EQ(posed(rows({{unit, 0, 0}}), stretched(little, {unit, 0, 0}))(0, 0), unit);
+    expect_enclosed(rows({{unit, 0, 0}}), rows({{above, 0, 0}}), stretched(little, {unit, 0, 0}));
 }
 
 TEST(SessionWidening, SamplesOfATraceAreWidenedToo) {

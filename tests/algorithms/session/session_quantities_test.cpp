@@ -189,10 +189,10 @@ Query turned_round(Query query) {
 struct Work {
     Counters whole, apart;
 
-    void add(const Counters& both, const Counters& one, const Counters& two) {
+    void add(const Counters& both, const Counters& forward, const Counters& backward) {
         for (const CounterField& field : counter_fields) {
             whole.*field.member += both.*field.member;
-            apart.*field.member += one.*field.member + two.*field.member;
+            apart.*field.member += forward.*field.member + backward.*field.member;
         }
     }
 };
@@ -236,9 +236,9 @@ TEST(SessionSymmetric, EnclosesTheLargerDirection) {
             expect_same_answer(result, other, at);
             EXPECT_EQ(untraced.counters, other.counters) << at;
             query.quantity = Quantity::directed;
-            const Result one = lean.solve(query, none), two = back.solve(turned_round(query), none);
-            work[entry.info.name].add(untraced.counters, one.counters, two.counters);
-            EXPECT_EQ(result.bounds.lower, std::max(one.bounds.lower, result.bounds.lower)) << at;
+            const Result forward = lean.solve(query, none), backward = back.solve(turned_round(query), none);
+            work[entry.info.name].add(untraced.counters, forward.counters, backward.counters);
+            EXPECT_EQ(result.bounds.lower, std::max(forward.bounds.lower, result.bounds.lower)) << at;
         }
     });
     for (const auto& [name, directions] : seen) EXPECT_EQ(directions.size(), 2u) << name;
@@ -340,9 +340,9 @@ void check_matrix(const SolverEntry& entry, int ratio, const std::string& where)
                 query.tolerance = {Tolerance::Of::lower, 1e-3};
                 query.budget = 2000;
                 Trace trace;
-                const Result one = shared.solve(query, trace), two = alone.solve(query, trace);
-                expect_same_answer(one, two, at);
-                EXPECT_EQ(one.counters, two.counters) << at;
+                const Result from_shared = shared.solve(query, trace), from_alone = alone.solve(query, trace);
+                expect_same_answer(from_shared, from_alone, at);
+                EXPECT_EQ(from_shared.counters, from_alone.counters) << at;
             }
             for (const PreparationTime& time : shared.preparation()) {
                 if (time.name.find("solver") == 0 || time.shared) continue;
@@ -439,18 +439,18 @@ std::vector<Query> some_queries(const Case& c, const SolverInfo& info) {
 void ask_from_two_threads(const SolverEntry& entry, const Case& c, const std::string& where) {
     const std::vector<Query> queries = some_queries(c, entry.info);
     std::vector<Result> alone, forward(queries.size()), backward(queries.size());
-    const auto one = [](const Session& session, const Query& query) {
+    const auto answer_of = [](const Session& session, const Query& query) {
         Trace trace;
         return session.solve(query, trace);
     };
     const Session quiet(entry, defaults(entry), c.test.scene, {.moves = true, .symmetric = true});
-    for (const Query& query : queries) alone.push_back(one(quiet, query));
+    for (const Query& query : queries) alone.push_back(answer_of(quiet, query));
     const Session session(entry, defaults(entry), c.test.scene, {.moves = true, .symmetric = true});
     std::thread first([&] {
-        for (std::size_t i = 0; i < queries.size(); ++i) forward[i] = one(session, queries[i]);
+        for (std::size_t i = 0; i < queries.size(); ++i) forward[i] = answer_of(session, queries[i]);
     });
     std::thread second([&] {
-        for (std::size_t i = queries.size(); i-- > 0;) backward[i] = one(session, queries[i]);
+        for (std::size_t i = queries.size(); i-- > 0;) backward[i] = answer_of(session, queries[i]);
     });
     first.join();
     second.join();
@@ -493,13 +493,13 @@ TEST(SessionThreads, SeveralWorkersGiveTheSameInterval) {
         const Session session(entry, defaults(entry), c.test.scene, {.moves = true});
         Query query = query_of(1, c.directed[1]);
         Trace trace;
-        const Result one = session.solve(query, trace);
+        const Result single = session.solve(query, trace);
         query.threads = 2;
-        const Result two = session.solve(query, trace);
-        check(entry, c.directed[1], query, two, where);
-        EXPECT_EQ(one.status, two.status) << where;
-        EXPECT_EQ(one.bounds.lower, two.bounds.lower) << where;
-        EXPECT_EQ(one.bounds.upper, two.bounds.upper) << where;
+        const Result several = session.solve(query, trace);
+        check(entry, c.directed[1], query, several, where);
+        EXPECT_EQ(single.status, several.status) << where;
+        EXPECT_EQ(single.bounds.lower, several.bounds.lower) << where;
+        EXPECT_EQ(single.bounds.upper, several.bounds.upper) << where;
     });
 }
 

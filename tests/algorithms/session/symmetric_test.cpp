@@ -20,7 +20,7 @@ namespace {
 // the directions apart.
 struct Script {
     Result says[2];
-    std::vector<Query> asked;
+    std::vector<Query> queries;
     std::vector<QuerySet> prepared_for;
     std::chrono::milliseconds preparing{0}, solving{0};
     int built[2] = {0, 0};  // structures built over A and over B
@@ -51,7 +51,7 @@ public:
     }
     Result solve(const Query& query, State*, Trace& trace) const override {
         std::this_thread::sleep_for(script.solving);
-        script.asked.push_back(query);
+        script.queries.push_back(query);
         const Result& result = script.says[direction_];
         trace.record(result.bounds.lower, result.bounds.upper);
         return result;
@@ -128,19 +128,19 @@ const Result small = result_of(Status::converged, {0.2, 0.2}), large = result_of
 
 TEST_F(SessionDirections, TheFirstLowerBoundIsTheFloorOfTheSecond) {
     solve(result_of(Status::converged, {0.2, 0.205}), small);
-    ASSERT_EQ(script.asked.size(), 2u);
-    EXPECT_EQ(script.asked[0].floor, 0);
-    EXPECT_EQ(script.asked[1].floor, 0.2);  // not the upper bound, because h(B,A) could be between the two
-    EXPECT_EQ(script.asked[0].quantity, Quantity::directed);
-    EXPECT_EQ(script.asked[1].quantity, Quantity::directed);
+    ASSERT_EQ(script.queries.size(), 2u);
+    EXPECT_EQ(script.queries[0].floor, 0);
+    EXPECT_EQ(script.queries[1].floor, 0.2);  // not the upper bound, because h(B,A) could be between the two
+    EXPECT_EQ(script.queries[0].quantity, Quantity::directed);
+    EXPECT_EQ(script.queries[1].quantity, Quantity::directed);
 }
 
 TEST_F(SessionDirections, AFloorThatIsHigherStays) {
     Query query = symmetric_query();
     query.floor = 0.3;
     solve(small, small, query);
-    EXPECT_EQ(script.asked[0].floor, 0.3);
-    EXPECT_EQ(script.asked[1].floor, 0.3);
+    EXPECT_EQ(script.queries[0].floor, 0.3);
+    EXPECT_EQ(script.queries[1].floor, 0.3);
 }
 
 // A floor at or above the cutoff would make it a yes/no question, which no tolerance ends.
@@ -148,13 +148,13 @@ TEST_F(SessionDirections, AFloorThatIsTheCutoffAsksNoQuestion) {
     Query query = symmetric_query();
     query.cutoff = 0.2;
     EXPECT_EQ(status(small, result_of(Status::converged, {0.195, 0.205}), query), "converged");
-    ASSERT_EQ(script.asked.size(), 2u);
-    EXPECT_LT(script.asked[1].floor, query.cutoff);
-    EXPECT_GT(script.asked[1].floor, 0.1999);
-    script.asked.clear();
+    ASSERT_EQ(script.queries.size(), 2u);
+    EXPECT_LT(script.queries[1].floor, query.cutoff);
+    EXPECT_GT(script.queries[1].floor, 0.1999);
+    script.queries.clear();
     query.floor = query.cutoff;
     solve(small, small, query);
-    EXPECT_EQ(script.asked[1].floor, query.cutoff);
+    EXPECT_EQ(script.queries[1].floor, query.cutoff);
 }
 
 // In scaled units the floor would overflow, and even an infinite upper bound would not be above it.
@@ -167,7 +167,7 @@ TEST_F(SessionDirections, AFloorStaysFinite) {
     query.tolerance = {Tolerance::Of::absolute, 1};
     query.floor = 0x1p700;
     (void)session.solve(query, trace);
-    EXPECT_EQ(script.asked[0].floor, std::numeric_limits<double>::max());
+    EXPECT_EQ(script.queries[0].floor, std::numeric_limits<double>::max());
 }
 
 TEST_F(SessionDirections, PosesChangePlaces) {
@@ -176,10 +176,11 @@ TEST_F(SessionDirections, PosesChangePlaces) {
     query.source_pose = moved_by({0.125, 0, 0});
     query.target_pose = moved_by({0, 0.25, 0});
     solve(query);
-    ASSERT_EQ(script.asked.size(), 2u);
-    EXPECT_EQ(script.asked[0].source_pose.translation, Vec3(0.125, 0, 0));
-    EXPECT_EQ(script.asked[1].source_pose.translation, Vec3(0, 0.25, 0));
-    for (const Query& asked : script.asked) EXPECT_TRUE(asked.target_pose.is_identity());  // the target is a posed copy
+    ASSERT_EQ(script.queries.size(), 2u);
+    EXPECT_EQ(script.queries[0].source_pose.translation, Vec3(0.125, 0, 0));
+    EXPECT_EQ(script.queries[1].source_pose.translation, Vec3(0, 0.25, 0));
+    for (const Query& solved : script.queries)
+        EXPECT_TRUE(solved.target_pose.is_identity());  // the target is a posed copy
 }
 
 // These limits are safe, because a sleep takes at least as long as requested.
@@ -189,12 +190,12 @@ TEST_F(SessionDirections, TimeThatIsSpentIsNotThereForTheSecond) {
     Query query = symmetric_query();
     query.time_limit = 100;
     solve(query);
-    EXPECT_LE(script.asked[0].time_limit, 100);
-    EXPECT_LE(script.asked[1].time_limit, script.asked[0].time_limit - 0.003);
-    script.asked.clear();
+    EXPECT_LE(script.queries[0].time_limit, 100);
+    EXPECT_LE(script.queries[1].time_limit, script.queries[0].time_limit - 0.003);
+    script.queries.clear();
     query.time_limit = 0.001;
     solve(query);
-    EXPECT_EQ(script.asked[1].time_limit, 0);
+    EXPECT_EQ(script.queries[1].time_limit, 0);
 }
 
 TEST_F(SessionDirections, PreparingAPosedCopyIsTimeThatIsSpent) {
@@ -205,10 +206,10 @@ TEST_F(SessionDirections, PreparingAPosedCopyIsTimeThatIsSpent) {
     query.target_pose = moved_by({0, 0.25, 0});
     query.time_limit = 100;
     solve(query, {.target_moves = true});
-    EXPECT_LE(script.asked[0].time_limit, 100 - 0.003);
+    EXPECT_LE(script.queries[0].time_limit, 100 - 0.003);
     query.time_limit = 0.001;
     solve(query, {.target_moves = true});
-    EXPECT_EQ(script.asked[1].time_limit, 0);
+    EXPECT_EQ(script.queries[1].time_limit, 0);
 }
 
 // A tolerance relative to a lower bound of 0 cannot be met, so short trials find the direction with the larger bound,
@@ -220,40 +221,40 @@ TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelativ
     poor.counters.subdivisions = rich.counters.subdivisions = 1;
     poor.reported = rich.reported = {{"share", 1.0}};
     const auto floors = [&](const Result& first, const Result& second) {
-        script.asked.clear();
+        script.queries.clear();
         const Result result = solve(first, second, query);
         EXPECT_EQ(result.bounds.lower, std::max(first.bounds.lower, second.bounds.lower));
-        EXPECT_EQ(result.counters.subdivisions, script.asked.size());  // trials count too
+        EXPECT_EQ(result.counters.subdivisions, script.queries.size());  // trials count too
         EXPECT_EQ(result.reported, (Reported{{"share", 1.0}, {"share (B to A)", 1.0}}));
-        EXPECT_EQ(script.asked.back().budget, query.budget);
-        std::vector<std::pair<double, std::uint64_t>> asked;
-        for (const Query& q : script.asked) asked.push_back({q.floor, q.budget});
-        return asked;
+        EXPECT_EQ(script.queries.back().budget, query.budget);
+        std::vector<std::pair<double, std::uint64_t>> tried;
+        for (const Query& q : script.queries) tried.push_back({q.floor, q.budget});
+        return tried;
     };
     const std::uint64_t all = query.budget;
-    using Asked = std::vector<std::pair<double, std::uint64_t>>;
-    EXPECT_EQ(floors(rich, poor), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
-    EXPECT_EQ(floors(poor, rich), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
-    EXPECT_TRUE(script.asked[2].source_pose.is_identity());
+    using Tried = std::vector<std::pair<double, std::uint64_t>>;
+    EXPECT_EQ(floors(rich, poor), (Tried{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
+    EXPECT_EQ(floors(poor, rich), (Tried{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
+    EXPECT_TRUE(script.queries[2].source_pose.is_identity());
     // No trials for exact solvers or absolute tolerances.
     script.exact = true;
-    EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
+    EXPECT_EQ(floors(poor, rich), (Tried{{0, all}, {0.1, all}}));
     script.exact = false;
     query.tolerance = {Tolerance::Of::absolute, 1e-3};
-    EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
+    EXPECT_EQ(floors(poor, rich), (Tried{{0, all}, {0.1, all}}));
     query.tolerance = {Tolerance::Of::lower, 1e-3};
     // A trial that answers its direction is not repeated.
     Result done = result_of(Status::converged, {0.2, 0.2});
     done.counters.subdivisions = 1;
     done.reported = poor.reported;
-    EXPECT_EQ(floors(done, poor), (Asked{{0, 64}, {0.2, all}}));
+    EXPECT_EQ(floors(done, poor), (Tried{{0, 64}, {0.2, all}}));
     EXPECT_EQ(floors(poor, done).size(), 4u);
     // While both lower bounds are 0, the trials get more work.
     poor.bounds.lower = 0;
     query.budget = 5000;
-    EXPECT_EQ(floors(poor, poor), (Asked{{0, 64}, {0, 64}, {0, 1024}, {0, 1024}, {0, 5000}, {0, 5000}}));
+    EXPECT_EQ(floors(poor, poor), (Tried{{0, 64}, {0, 64}, {0, 1024}, {0, 1024}, {0, 5000}, {0, 5000}}));
     query.budget = 64;
-    EXPECT_EQ(floors(poor, poor), (Asked{{0, 64}, {0, 64}}));
+    EXPECT_EQ(floors(poor, poor), (Tried{{0, 64}, {0, 64}}));
 }
 
 // --- the answer -------------------------------------------------------------------------------------------------------
@@ -289,15 +290,15 @@ TEST_F(SessionDirections, AFirstLowerBoundAboveTheCutoffEndsIt) {
     query.cutoff = 0.1;
     Result first = result_of(Status::converged, {0.2, 0.205}, "of no use any more");
     const Result result = solve(first, large, query);
-    EXPECT_EQ(script.asked.size(), 1u);
+    EXPECT_EQ(script.queries.size(), 1u);
     EXPECT_EQ(to_string(result.status), "above_cutoff");
     EXPECT_EQ(result.bounds.lower, 0.2);
     EXPECT_EQ(result.bounds.upper, infinity);  // h(B,A) may have any value
     EXPECT_EQ(result.note, "");
-    script.asked.clear();
+    script.queries.clear();
     query.cutoff = 0.2;
     solve(first, small, query);
-    EXPECT_EQ(script.asked.size(), 2u);
+    EXPECT_EQ(script.queries.size(), 2u);
 }
 
 TEST_F(SessionDirections, TheStatusIsThatOfTheDirectionThatKeepsTheBoundsApart) {

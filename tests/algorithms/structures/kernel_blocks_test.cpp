@@ -92,9 +92,9 @@ TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
         ClosestHints hints;
         hints.early_out_squared = 0.01;
         const double nearest = blocks.closest(point, {}, full).squared_distance;
-        const ClosestPoint found = blocks.closest(point, hints, early);
-        EXPECT_GE(found.squared_distance, nearest);
-        EXPECT_TRUE(nearest <= 0.01 ? found.squared_distance <= 0.01 : found.squared_distance == nearest);
+        const ClosestPoint answer = blocks.closest(point, hints, early);
+        EXPECT_GE(answer.squared_distance, nearest);
+        EXPECT_TRUE(nearest <= 0.01 ? answer.squared_distance <= 0.01 : answer.squared_distance == nearest);
     }
     EXPECT_LT(early.node_visits, full.node_visits);
 }
@@ -121,9 +121,9 @@ TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
         Counters counters, scanned;
         for (int i = 0; i < 300; ++i) {
             const Vec3 point = Vec3(cluster.vertices.row(random.below(1600))) + random.vector(0.1);
-            const ClosestPoint found = blocks.closest(point, {}, counters);
+            const ClosestPoint answer = blocks.closest(point, {}, counters);
             if (i % 30 == 0)
-                expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
+                expect_same(answer, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
         }
         if (ratio == 1) tame = counters;
         // Allows for one level of the tree that covers both scales and separates nothing within the small one.
@@ -185,20 +185,20 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
             near.clear(units);
             Counters counters;
             blocks.gather(centre, radius, near, counters);
-            const std::set<Index> found(near.triangle.begin(), near.triangle.end());
-            EXPECT_EQ(found.size(), near.count()) << name;
+            const std::set<Index> gathered(near.triangle.begin(), near.triangle.end());
+            EXPECT_EQ(gathered.size(), near.count()) << name;
             const bool all = near.count() <= near.most;
             complete += all;
             cut_short += !all;
             for (Index t = 0; t < mesh.triangles.rows(); ++t) {
                 const double distance = std::sqrt(closest_point(centre, triangle_of(mesh, t)).squared_distance);
                 if (distance <= radius * (1 - 1e-12)) {
-                    EXPECT_TRUE(!all || found.contains(t) || is_copy(mesh, t, found)) << name;
+                    EXPECT_TRUE(!all || gathered.contains(t) || is_copy(mesh, t, gathered)) << name;
                 } else if (distance > radius + 1e-3 * (radius + 3 * size)) {
-                    EXPECT_FALSE(found.contains(t)) << name;
+                    EXPECT_FALSE(gathered.contains(t)) << name;
                 }
             }
-            if (found.empty()) continue;
+            if (gathered.empty()) continue;
             exactly.clear(units);
             set_frames(mesh, near.triangle, exactly);
             ASSERT_EQ(exactly.triangle, near.triangle);
@@ -209,13 +209,13 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
                 const double expected =
                     std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) *
                     units.inverse;
-                const auto distance = [&, &scene_name = name]<class T>(const NearTriangles<T>& frames) {
-                    TriangleFrames<T> one;
+                const auto distance = [&, &name = name]<class T>(const NearTriangles<T>& frames) {
+                    TriangleFrames<T> copies;
                     for (std::size_t r = 0; r < frame_row::count; ++r)
-                        std::fill_n(one.row[r], frames_width, frames.row(r)[k]);
+                        std::fill_n(copies.row[r], frames_width, frames.row(r)[k]);
                     const T p[3] = {static_cast<T>(local[0]), static_cast<T>(local[1]), static_cast<T>(local[2])};
                     T squared[frames_width];
-                    squared_distances(one, p, squared);
+                    squared_distances(copies, p, squared);
                     const double error = near_error<T> * frame_roundoff<T> *
                                              (local.norm() + static_cast<double>(frames.row(frame_row::count)[k])) +
                                          64 * 0x1p-53 * size * units.inverse + frame_underflow<T>;

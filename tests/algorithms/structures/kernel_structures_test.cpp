@@ -33,8 +33,8 @@ TEST(Adjacency, AsByAMapOfEdges) {
             for (int k = 0; k < 3; ++k) {
                 const auto [low, high] = std::minmax({mesh.triangles(i, k), mesh.triangles(i, (k + 1) % 3)});
                 const auto& wanted = expected.at({low, high});
-                const auto found = adjacency.triangles(adjacency.edge(i, k));
-                ASSERT_TRUE(std::equal(found.begin(), found.end(), wanted.begin(), wanted.end())) << name;
+                const auto triangles = adjacency.triangles(adjacency.edge(i, k));
+                ASSERT_TRUE(std::equal(triangles.begin(), triangles.end(), wanted.begin(), wanted.end())) << name;
             }
         }
         EXPECT_GE(adjacency.bytes(), 24u * static_cast<std::size_t>(mesh.triangles.rows()));
@@ -233,8 +233,8 @@ int EveryNth::built = 0;
 
 TEST(Prepared, StructuresBelongToShapesAndToTheirParameters) {
     Random random(5);
-    const Shape one = triangle_soup(random, 10, 0.1), two = triangle_soup(random, 20, 0.1);
-    const auto first = std::make_shared<PreparedShape>(one), second = std::make_shared<PreparedShape>(two);
+    const Shape small = triangle_soup(random, 10, 0.1), large = triangle_soup(random, 20, 0.1);
+    const auto first = std::make_shared<PreparedShape>(small), second = std::make_shared<PreparedShape>(large);
     const Prepared there(first, second, {need<EveryNth>(Side::source), need<EveryNth>(Side::target, {3})});
     EXPECT_EQ(EveryNth::built, 2);
     EXPECT_EQ(there.get<EveryNth>(Side::source).chosen.size(), 15u);

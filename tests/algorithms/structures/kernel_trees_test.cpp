@@ -103,9 +103,9 @@ TYPED_TEST(Trees, EarlyOutStopsAtATriangleNearEnough) {
         ClosestHints hints;
         hints.early_out_squared = 0.01;
         const double nearest = tree.closest(point, {}, full).squared_distance;
-        const ClosestPoint found = tree.closest(point, hints, early);
-        EXPECT_GE(found.squared_distance, nearest);
-        EXPECT_TRUE(nearest <= 0.01 ? found.squared_distance <= 0.01 : found.squared_distance == nearest);
+        const ClosestPoint answer = tree.closest(point, hints, early);
+        EXPECT_GE(answer.squared_distance, nearest);
+        EXPECT_TRUE(nearest <= 0.01 ? answer.squared_distance <= 0.01 : answer.squared_distance == nearest);
     }
     EXPECT_LT(early.point_triangle_distances, full.point_triangle_distances);
 }
@@ -121,10 +121,10 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
     EXPECT_LT(counters.node_visits, 200u * 500u);
     EXPECT_GT(tree.bytes(), 20000u * sizeof(Triangle));
 
-    Random one(7), two(7);
+    Random first(7), second(7);
     counters = {};
-    for (int i = 0; i < 50; ++i) (void)tree.closest(one.vector(), {}, counters);
-    for (int i = 0; i < 50; ++i) (void)tree.closest(two.vector(), {}, again);
+    for (int i = 0; i < 50; ++i) (void)tree.closest(first.vector(), {}, counters);
+    for (int i = 0; i < 50; ++i) (void)tree.closest(second.vector(), {}, again);
     EXPECT_EQ(counters, again);
 }
 
@@ -152,8 +152,8 @@ template <class Tree> Counters work_beside_a_stray_triangle(double ratio, bool t
     Counters counters, scanned;
     for (int i = 0; i < 300; ++i) {
         const Vec3 point = Vec3(cluster.vertices.row(random.below(1600))) + random.vector(0.1);
-        const ClosestPoint found = tree.closest(point, {}, counters);
-        if (i % 30 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
+        const ClosestPoint answer = tree.closest(point, {}, counters);
+        if (i % 30 == 0) expect_same(answer, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
     }
     return counters;
 }
@@ -179,8 +179,8 @@ TYPED_TEST(Trees, WorkDoesNotGrowWithTheDistanceOfThePoint) {
         Random points(13);
         for (int i = 0; i < 200; ++i) {
             const Vec3 point = ratio * Vec3(7, 5, 6) + points.vector();
-            const ClosestPoint found = tree.closest(point, {}, counters);
-            if (i % 20 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("{}", ratio));
+            const ClosestPoint answer = tree.closest(point, {}, counters);
+            if (i % 20 == 0) expect_same(answer, closest_by_scan(mesh, point, {}, scanned), fmt::format("{}", ratio));
         }
         if (ratio == 1) near = counters;
         EXPECT_LE(counters.node_visits, 4 * near.node_visits) << ratio;

@@ -84,16 +84,16 @@ TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
         FormEvaluator of_about(about);
         for (const Vec3& at : {Vec3(4096.25, 3, 1e5 + 0.5), Vec3(4097, -9, 1e5), Vec3(4096.5, 0.1, 1e5 + 1)}) {
             const std::array<Interval, 3> point{Interval(at[0]), Interval(at[1]), Interval(at[2])};
-            const Interval one = about.natural(point), other = plain.natural(point);
-            EXPECT_TRUE(one.inf() <= other.sup() && other.inf() <= one.sup()) << text;
+            const Interval expanded = about.natural(point), original = plain.natural(point);
+            EXPECT_TRUE(expanded.inf() <= original.sup() && original.inf() <= expanded.sup()) << text;
             const Box around_it{at - Vec3::Constant(0x1p-20), at + Vec3::Constant(0x1p-20)};
             for (const Form form : {Form::natural, Form::centred, Form::affine, Form::modified_affine}) {
                 const Interval range = of_about.range(form, around_it);
-                EXPECT_TRUE(range.inf() <= one.sup() && one.inf() <= range.sup()) << text;
-                EXPECT_LT(range.sup() - range.inf(), 0x1p-8 * (1 + magnitude(other))) << text;
+                EXPECT_TRUE(range.inf() <= expanded.sup() && expanded.inf() <= range.sup()) << text;
+                EXPECT_LT(range.sup() - range.inf(), 0x1p-8 * (1 + magnitude(original))) << text;
             }
             Vec3 gradient;
-            EXPECT_NEAR(about.value(at, gradient), one.inf(), 1e-9 * (1 + magnitude(one))) << text;
+            EXPECT_NEAR(about.value(at, gradient), expanded.inf(), 1e-9 * (1 + magnitude(expanded))) << text;
         }
     }
     EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(), Vec3::Zero());  // near the origin
@@ -129,14 +129,14 @@ TEST(SurfaceOffset, BoxesOfAFewDoubles) {
 
 TEST(SurfaceOffset, ABoxThatHoldsNoOtherDoubleIsNotDivided) {
     const double next = std::nextafter(1, 2);
-    const AlgebraicSurface one = surface("x + y + z - 3", {1, 1, 1}, {next, next, next});
+    const AlgebraicSurface tiny = surface("x + y + z - 3", {1, 1, 1}, {next, next, next});
     {
         const UpwardRounding upward;
-        SurfaceTree tree(one);
+        SurfaceTree tree(tiny);
         ASSERT_EQ(tree.size(), 1u);
         EXPECT_FALSE(tree.may_split(0));
     }
-    const Result result = solve("surface_enclosure", one, one, 1e-30);  // the surface is not taken for empty
+    const Result result = solve("surface_enclosure", tiny, tiny, 1e-30);  // the surface is not taken for empty
     EXPECT_GE(result.bounds.upper, 0);
     EXPECT_NE(result.status, Status::budget);
     EXPECT_NE(result.status, Status::time_limit);

@@ -42,14 +42,14 @@ TEST(QuadricReference, HoldsWhatIsKnown) {
         Quadric a, b;
         double h, precision;
     };
-    const Known known[] = {{cone_1, cone_2, 0.79885958582385, 0.02},
+    const Known cases[] = {{cone_1, cone_2, 0.79885958582385, 0.02},
                            {cone_2, cone_1, std::sqrt(43.0) / 3 - 4.0 / 3, 0.02},
                            {plane, ball, std::sqrt(8.0) - 1, 0.02},
                            {ball, plane, 1, 0.02},
                            {ball, large, 0.5, 0.15},
                            {plane, above, 0.5, 0.15}};  // constant over A, so many boxes are visited
-    for (std::size_t i = 0; i < std::size(known); ++i) {
-        const auto& [a, b, h, precision] = known[i];
+    for (std::size_t i = 0; i < std::size(cases); ++i) {
+        const auto& [a, b, h, precision] = cases[i];
         const auto range = quadric_reference::hausdorff(a, b, precision, 20000);
         ASSERT_TRUE(range) << i;
         EXPECT_LE(range->lower, h + 1e-9) << i;

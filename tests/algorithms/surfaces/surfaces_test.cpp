@@ -385,14 +385,14 @@ TEST(SurfaceSolvers, KeepTheContract) {
         if (entry.info.name == "surface_meshes") quick = {{"cells", std::int64_t(24)}};
         for (const Known& k : gallery()) {
             if (k.tolerance < 1e-6) continue;
-            const Session one(entry, Options(entry.info.name, entry.info.parameters, quick), {k.a, k.b}, {});
+            const Session session(entry, Options(entry.info.name, entry.info.parameters, quick), {k.a, k.b}, {});
             const std::string where = entry.info.name + " on " + k.name;
             const auto ask = [&](auto&& change) {
                 Query query;
                 query.tolerance = {Tolerance::Of::absolute, 0.05};
                 change(query);
                 Trace trace(Trace::Mode::on);
-                const Result result = one.solve(query, trace);
+                const Result result = session.solve(query, trace);
                 EXPECT_LE(result.bounds.lower, result.bounds.upper) << where;
                 if (entry.info.certified) {
                     EXPECT_LE(result.bounds.lower, k.h + 1e-15) << where;
@@ -462,13 +462,13 @@ void expect_same_bits(const Result& a, const Result& b, const std::string& where
 
 TEST(SurfaceSolvers, BothDirectionsMakeH) {
     for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
-        const Result one = solve_spheres(session, Quantity::directed),
+        const Result directed = solve_spheres(session, Quantity::directed),
                      both = solve_spheres(session, Quantity::symmetric);
         EXPECT_LE(both.bounds.lower, 0.5) << entry.info.name;
         EXPECT_GE(both.bounds.upper, 0.5) << entry.info.name;
-        EXPECT_GE(both.bounds.lower, one.bounds.lower) << entry.info.name;
-        EXPECT_GE(both.bounds.upper, one.bounds.upper) << entry.info.name;
-        EXPECT_GE(both.counters.polynomial_evaluations, one.counters.polynomial_evaluations) << entry.info.name;
+        EXPECT_GE(both.bounds.lower, directed.bounds.lower) << entry.info.name;
+        EXPECT_GE(both.bounds.upper, directed.bounds.upper) << entry.info.name;
+        EXPECT_GE(both.counters.polynomial_evaluations, directed.counters.polynomial_evaluations) << entry.info.name;
     });
 }
 

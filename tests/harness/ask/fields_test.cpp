@@ -87,7 +87,7 @@ TEST(DistanceFields, APointIsATriangle) {
 }
 
 TEST(DistanceFields, AreInTheUnitOfTheInputAtEveryScale) {
-    const Fields one = fields_of(tetrahedron(), {}, square(), moved({0, 0, -7}));
+    const Fields unscaled = fields_of(tetrahedron(), {}, square(), moved({0, 0, -7}));
     for (int scale : {-1060, -400, 400, 1018}) {
         TriangleMesh a = tetrahedron(), b = square();
         for (Points* points : {&a.vertices, &b.vertices})
@@ -96,8 +96,8 @@ TEST(DistanceFields, AreInTheUnitOfTheInputAtEveryScale) {
         for (int exponent : {0, -scale - 3}) {
             const Fields fields = fields_of(a, {}, b, away, exponent);
             for (std::size_t i = 0; i < 4; ++i)
-                EXPECT_EQ(fields[0].values[i], std::ldexp(one[0].values[i], scale)) << scale << ", " << exponent;
-            EXPECT_EQ(fields[1].values, one[1].values);
+                EXPECT_EQ(fields[0].values[i], std::ldexp(unscaled[0].values[i], scale)) << scale << ", " << exponent;
+            EXPECT_EQ(fields[1].values, unscaled[1].values);
         }
     }
 }
@@ -321,7 +321,7 @@ protected:
                      {"nearest", Field::Of::vertices, Field::Meaning::number, {3, 0, 1, 2}},
                      bounds("lower", Field::Meaning::lower, {0, 0.5, 1, 0.1}),
                      bounds("upper bound", Field::Meaning::upper, {0.25, 0.5, infinity, 0.2})};
-    Fields own = {fields[2], fields[3]};
+    Fields solver_fields = {fields[2], fields[3]};
 
     DrawnField drawn(const Points& vertices, const Triangles& pieces) const {
         DrawnField out{vertices, pieces, {}, fields[0].values, {}};
@@ -369,11 +369,11 @@ TEST_F(FieldFile, OfAResultIsInItsRow) {
 using Mesh = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
 
 template <class Key, class Type> bool has_property(const Mesh& mesh, const std::string& name) {
-    const auto found = mesh.property_map<Key, Type>(name);
-    if constexpr (requires { found.second; }) {
-        return found.second;  // CGAL 5: a pair
+    const auto map = mesh.property_map<Key, Type>(name);
+    if constexpr (requires { map.second; }) {
+        return map.second;  // CGAL 5: a pair
     } else {
-        return found.has_value();  // CGAL 6: an optional
+        return map.has_value();  // CGAL 6: an optional
     }
 }
 
@@ -392,7 +392,7 @@ template <class Key, class Type> std::vector<double> values_of(Mesh mesh, const 
 TEST_F(FieldFile, AsPlyIsReadByAnotherLibrary) {
     const auto file = folder.path() / "x.ply";
     const Points there = posed(tetrahedron().vertices, moved({0.1, 0, 0}));
-    export_fields(file, drawn(there, tetrahedron().triangles), own);
+    export_fields(file, drawn(there, tetrahedron().triangles), solver_fields);
     std::ifstream in(file, std::ios::binary);
     Mesh mesh;
     std::string comments;
@@ -413,7 +413,7 @@ TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
     using Read = std::tuple<Kernel::Point_3, double, int, double>;
     const auto file = folder.path() / "x.ply";
     const PointSet points{tetrahedron().vertices};
-    export_fields(file, drawn(points.points, Triangles(0, 3)), own);
+    export_fields(file, drawn(points.points, Triangles(0, 3)), solver_fields);
     std::ifstream in(file, std::ios::binary);
     std::vector<Read> read;
     ASSERT_TRUE(CGAL::IO::read_PLY_with_properties(
@@ -666,11 +666,11 @@ TEST_F(CheckFields, BoundsOfElementsMayBeOffByTheSlack) {
 
 // The check also measures the centroid: it is sqrt(2) away from B, but all corners are on B.
 TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
-    TriangleMesh one{Points(3, 3), Triangles(1, 3)};
-    one.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
-    one.triangles << 0, 1, 2;
-    a = one;
-    b = PointSet{one.vertices};
+    TriangleMesh triangle{Points(3, 3), Triangles(1, 3)};
+    triangle.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
+    triangle.triangles << 0, 1, 2;
+    a = triangle;
+    b = PointSet{triangle.vertices};
     pose = target_pose = {};
     fields = fields_of(a, pose, b, target_pose);
     fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // less than sqrt(2)
@@ -685,10 +685,10 @@ TEST_F(CheckFields, TheCentroidMayBeOffTheElement) {
     int above = 0;
     for (int i = 1; i < 40; ++i) {
         const double c = 0.1 * i;
-        TriangleMesh one{Points(3, 3), Triangles(1, 3)};
-        one.vertices << 0, 0, c, 1, 0, c, 0, 1, c;
-        one.triangles << 0, 1, 2;
-        a = one;
+        TriangleMesh triangle{Points(3, 3), Triangles(1, 3)};
+        triangle.vertices << 0, 0, c, 1, 0, c, 0, 1, c;
+        triangle.triangles << 0, 1, 2;
+        a = triangle;
         fields = fields_of(a, pose, b, target_pose);
         fields.push_back(bounds("upper", Field::Meaning::upper, {c}));
         expect(Verdict::holds);

@@ -33,10 +33,10 @@ CertificateFile proof_of(Quantity quantity) {
     c.tolerance = 1e-3, c.tolerance_of = "diagonal";
     c.bounds = {1, 1 + 1e-12};
     c.witness = {Vec3(0, 0, 0), Vec3(0, 0, 1), 0, 0, Direction::source_to_target};
-    Certificate one = written(Proof{{Node{}}}, 1 + 1e-12);
-    c.certificates = {one};
-    one.direction = Direction::target_to_source;
-    if (quantity == Quantity::symmetric) c.certificates.push_back(one);
+    Certificate certificate = written(Proof{{Node{}}}, 1 + 1e-12);
+    c.certificates = {certificate};
+    certificate.direction = Direction::target_to_source;
+    if (quantity == Quantity::symmetric) c.certificates.push_back(certificate);
     return c;
 }
 

@@ -22,11 +22,11 @@ Check check(const TriangleMesh& a, const TriangleMesh& b, const Bounds& bounds, 
     return PenetrationChecker(source, a_pose, target, b_pose).check(bounds, witness);
 }
 
-void expect(const Check& found, Verdict lower, Verdict upper, const std::string& reason = "") {
-    EXPECT_EQ(found.lower, lower) << found.reason;
-    EXPECT_EQ(found.upper, upper) << found.reason;
-    EXPECT_NE(found.reason.find(reason), std::string::npos) << found.reason;
-    EXPECT_EQ(found.reason.empty(), reason.empty()) << found.reason;
+void expect(const Check& result, Verdict lower, Verdict upper, const std::string& reason = "") {
+    EXPECT_EQ(result.lower, lower) << result.reason;
+    EXPECT_EQ(result.upper, upper) << result.reason;
+    EXPECT_NE(result.reason.find(reason), std::string::npos) << result.reason;
+    EXPECT_EQ(result.reason.empty(), reason.empty()) << result.reason;
 }
 
 const TriangleMesh cube = box({0, 0, 0}, {1, 1, 1}), bar = box({0.5, 0.2, 0.2}, {2, 0.8, 0.8});
@@ -83,9 +83,9 @@ TEST(VerifyPenetration, TrianglesThatDoNotCount) {
 // If squares of lengths underflow, nothing is claimed, and a correct answer is not refused.
 TEST(VerifyPenetration, SolidsThatAreTiny) {
     for (const double s : {0x1p-490, 0x1p-537, 0x1p-600}) {
-        const Check found = check(scaled(cube, s), scaled(bar, s), {0.5 * s, 0.5 * s}, from_target(s * end));
-        EXPECT_EQ(found.lower, s > 0x1p-500 ? Verdict::holds : Verdict::not_checked) << s << found.reason;
-        EXPECT_NE(found.upper, Verdict::unsound) << s << found.reason;
+        const Check result = check(scaled(cube, s), scaled(bar, s), {0.5 * s, 0.5 * s}, from_target(s * end));
+        EXPECT_EQ(result.lower, s > 0x1p-500 ? Verdict::holds : Verdict::not_checked) << s << result.reason;
+        EXPECT_NE(result.upper, Verdict::unsound) << s << result.reason;
     }
 }
 

@@ -100,23 +100,23 @@ TEST(TextTable, ColourOnlyWhereThePaperHasIt) {
 }
 
 TEST(Times, TheRoundIsTheUnit) {
-    Row one = row("guthe", "a", 1, 2);
-    time_it(one, {{1, 2, 100}, {5, 6, 7}, {3, 3, 3}});
-    EXPECT_EQ(again_by_round(one.outcome, true), (ByRound{{0, 2}, {1, 6}, {2, 3}}));
-    EXPECT_EQ(again_by_round(one.outcome, false), (ByRound{{0, 4}, {1, 12}, {2, 6}}));
-    EXPECT_EQ(total_by_round(one.outcome, true), (ByRound{{0, 12}, {1, 20}, {2, 16}}));
-    const Estimate time = time_of(one.outcome);
+    Row timed = row("guthe", "a", 1, 2);
+    time_it(timed, {{1, 2, 100}, {5, 6, 7}, {3, 3, 3}});
+    EXPECT_EQ(again_by_round(timed.outcome, true), (ByRound{{0, 2}, {1, 6}, {2, 3}}));
+    EXPECT_EQ(again_by_round(timed.outcome, false), (ByRound{{0, 4}, {1, 12}, {2, 6}}));
+    EXPECT_EQ(total_by_round(timed.outcome, true), (ByRound{{0, 12}, {1, 20}, {2, 16}}));
+    const Estimate time = time_of(timed.outcome);
     EXPECT_EQ(time.n, 3u);
     EXPECT_EQ(time.value, 3);
     EXPECT_EQ(time.low, 2);
     EXPECT_EQ(time.high, 6);
-    one.outcome.repeats.resize(3);  // with a single round, its repeats are compared
-    EXPECT_EQ(time_of(one.outcome).value, 2);
-    EXPECT_EQ(time_of(one.outcome).low, 1);
-    EXPECT_EQ(time_of(one.outcome).high, 100);
-    EXPECT_EQ(time_of(one.outcome).confidence, 0) << "they are no independent measurements";
-    one.outcome.repeats.clear();
-    EXPECT_EQ(time_of(one.outcome).value, 6) << "first answers";
+    timed.outcome.repeats.resize(3);  // with a single round, its repeats are compared
+    EXPECT_EQ(time_of(timed.outcome).value, 2);
+    EXPECT_EQ(time_of(timed.outcome).low, 1);
+    EXPECT_EQ(time_of(timed.outcome).high, 100);
+    EXPECT_EQ(time_of(timed.outcome).confidence, 0) << "they are no independent measurements";
+    timed.outcome.repeats.clear();
+    EXPECT_EQ(time_of(timed.outcome).value, 6) << "first answers";
     EXPECT_EQ(time_of(row("guthe", "a", 1, 2).outcome).n, 0u);
     const Estimate ratio = ratio_by_round({{0, 1}, {2, 4}}, {{0, 2}, {1, 9}, {2, 8}});
     EXPECT_EQ(ratio.n, 2u);
@@ -266,15 +266,15 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
 // Returns a row with a random speed in each round, and nearly equal times within a round.
 Row noisy_row(const std::string& scene, int rounds, int repeats, std::mt19937_64& bits) {
     std::lognormal_distribution<double> round_takes(0, 0.2), repeat_takes(0, 0.001);
-    Row one = row("guthe", scene, 1, 2);
+    Row noisy = row("guthe", scene, 1, 2);
     for (int round = 0; round < rounds; ++round) {
         const double usual = round_takes(bits);
         for (int i = 0; i < repeats; ++i) {
             const double seconds = usual * repeat_takes(bits);
-            one.outcome.repeats.push_back({round, seconds, seconds, 1});
+            noisy.outcome.repeats.push_back({round, seconds, seconds, 1});
         }
     }
-    return one;
+    return noisy;
 }
 
 std::size_t verdicts_in(const std::string& text) {
@@ -312,9 +312,9 @@ TEST(Compare, LessThanSixRoundsGiveNoVerdict) {
 TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
     const auto rows = [](auto change) {
         std::vector<Row> both{row("guthe", "a", 1, 2), row("cgal", "a", 1, 2)};
-        for (Row& one : both) {
-            one.outcome.build = "program", one.outcome.machine = "here";
-            time_it(one, {{1}, {2}, {1}, {3}, {1}, {1}});
+        for (Row& row : both) {
+            row.outcome.build = "program", row.outcome.machine = "here";
+            time_it(row, {{1}, {2}, {1}, {3}, {1}, {1}});
         }
         change(both[1].outcome);
         return both;
@@ -344,7 +344,7 @@ TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
 
 TEST(Show, SaysWhichTimesDoNotCompare) {
     std::vector<Row> rows{row("guthe", "a", 1, 2), row("cgal", "a", 1, 2), row("ohd", "a", 1, 2)};
-    for (Row& one : rows) time_it(one, {{1}, {2}});
+    for (Row& row : rows) time_it(row, {{1}, {2}});
     const auto said = [&] {
         const ResultFile result = result_of(rows);
         const std::string table = show_rows(result, {0, 1, 2}, TableForm::text, {}), summary = show_summary(result, {});
@@ -366,7 +366,7 @@ TEST(Compare, AProgramAndItsPluginsAreOneBuild) {
     std::vector<Row> rows{row("guthe", "a", 1, 2), row("mine", "a", 1, 2)};
     rows[0].outcome.build = "program";
     rows[1].outcome.build = Sha256().add("program").add("plug-in").hex();
-    for (Row& one : rows) time_it(one, {{1}, {2}, {1}, {3}, {1}, {1}});
+    for (Row& row : rows) time_it(row, {{1}, {2}, {1}, {3}, {1}, {1}});
     ResultFile result = result_of(rows);
     result.texts["build"] = "program";
     result.texts["plugins"] = R"([{"file": "libmine.so", "sha256": "plug-in", "solvers": ["mine"]}])";
@@ -529,7 +529,7 @@ TEST(Compare, CountsTheRowsOfOtherShapes) {
     base.texts.insert({{"build", ""}, {"machine", ""}});
     for (const char* name : {"kept", "half", "only here"}) base.models.push_back(model_record(name, name));
     base.rows[0].spec.target = base.rows[1].spec.source = "half";
-    for (Row& one : base.rows) one.spec.identity = one.spec.scene;
+    for (Row& row : base.rows) row.spec.identity = row.spec.scene;
     EXPECT_EQ(compare_results(base, base).find("not compared"), std::string::npos);
     ResultFile candidate = base;
     candidate.models[1].sha256 = "of another CGAL";

@@ -123,7 +123,8 @@ TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
 TEST_F(PlanRows, BothShapesMove) {
     const std::string a = "motion = { kind = 'translation', from = [0, 0, 0], to = [2, 0, 0], steps = 3 }\n";
     const std::string b = "target_motion = { kind = 'translation', from = [0, 0, 0], to = [0, 2, 0], steps = 3 }\n";
-    const Plan still = plan("", "", ""), one = plan("", a, ""), other = plan("", b, ""), both = plan("", a + b, "");
+    const Plan still = plan("", "", ""), a_moves = plan("", a, ""), b_moves = plan("", b, ""),
+               both = plan("", a + b, "");
     ASSERT_EQ(both.cases.size(), 6u);  // three poses, two tolerances
     const double whole = both.cases[0].source_diagonal;
     for (std::size_t i : {0u, 2u, 4u}) {
@@ -131,20 +132,20 @@ TEST_F(PlanRows, BothShapesMove) {
         EXPECT_EQ(both.cases[i].pose_index, int(i / 2));
         EXPECT_EQ(both.cases[i].pose.translation, Vec3(s * whole, 0, 0));
         EXPECT_NEAR(both.cases[i].target_pose.translation.y(), s * whole / 2, 1e-15);  // B's diagonal is whole / 2
-        EXPECT_TRUE(one.cases[i].target_pose.is_identity());
-        EXPECT_TRUE(other.cases[i].pose.is_identity());
-        EXPECT_EQ(other.cases[i].target_pose.translation, both.cases[i].target_pose.translation);
+        EXPECT_TRUE(a_moves.cases[i].target_pose.is_identity());
+        EXPECT_TRUE(b_moves.cases[i].pose.is_identity());
+        EXPECT_EQ(b_moves.cases[i].target_pose.translation, both.cases[i].target_pose.translation);
     }
-    const QuerySet &two = both.jobs.at(0).pairs.at(0).queries, &b_alone = other.jobs.at(0).pairs.at(0).queries;
+    const QuerySet &two = both.jobs.at(0).pairs.at(0).queries, &b_alone = b_moves.jobs.at(0).pairs.at(0).queries;
     EXPECT_TRUE(two.moves && two.target_moves && !b_alone.moves && b_alone.target_moves);
     EXPECT_FALSE(still.jobs.at(0).pairs.at(0).queries.moves);
     // The first pose is the pose of the static scene; all others differ.
-    for (const Plan* moving : {&one, &other, &both}) {
+    for (const Plan* moving : {&a_moves, &b_moves, &both}) {
         EXPECT_EQ(moving->cases[0].identity, still.cases[0].identity);
         EXPECT_EQ(identities(*moving).size(), 6u);
     }
     std::set<std::string> all;
-    for (const Plan* moving : {&one, &other, &both}) all.merge(identities(*moving));
+    for (const Plan* moving : {&a_moves, &b_moves, &both}) all.merge(identities(*moving));
     EXPECT_EQ(all.size(), 2u + 3 * 4);
 }
 
@@ -272,10 +273,11 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
 
 TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
     const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
-    const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
-    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // the source is no target of its own
-    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor do other sources matter
-    const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
+    const std::string identity = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
+    EXPECT_EQ(identity,
+              last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // the source is no target of its own
+    EXPECT_EQ(identity, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor do other sources matter
+    const std::set<std::string> targets = {identity, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
                                            last(matrix_plan("", "'ball'", "'cloud'")),
                                            last(matrix_plan("", "'ball'", "'half'"))};
     EXPECT_EQ(targets.size(), 4u);

@@ -38,15 +38,15 @@ TEST(Lookup, RowsReadOffARowCostNothingOfTheOthers) {
 
 TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
     std::size_t count = 0;
-    NearestByWork<std::size_t, Counting> known{Counting{&count}};
-    EXPECT_TRUE(known.empty());
-    for (std::size_t p = 0; p < pose_count; ++p) known.add(100, p);  // the poses of one scene
-    for (std::size_t i = 1; i <= 10; ++i) known.add(1000.0 * double(i), pose_count + i);
+    NearestByWork<std::size_t, Counting> lookup{Counting{&count}};
+    EXPECT_TRUE(lookup.empty());
+    for (std::size_t p = 0; p < pose_count; ++p) lookup.add(100, p);  // the poses of one scene
+    for (std::size_t i = 1; i <= 10; ++i) lookup.add(1000.0 * double(i), pose_count + i);
     const auto nearest = [&](double work) {
         count = 0;
-        const std::size_t found = known.nearest(work);
+        const std::size_t value = lookup.nearest(work);
         EXPECT_LE(count, 2 * depth);
-        return found;
+        return value;
     };
     EXPECT_EQ(nearest(100), 0u);  // of equal works, the one added first
     EXPECT_EQ(nearest(1), 0u);

@@ -62,11 +62,11 @@ TEST(Rounds, OtherBoundsAreAFailure) {
 }
 
 TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
-    Outcome own = answered(0.5, 3, 1, 2);  // stopped by its own deadline, with wider but valid bounds
-    own.status = RowStatus::timeout, own.solver_status = "time_limit", own.reason = "not within 1 s";
+    Outcome stopped = answered(0.5, 3, 1, 2);  // stopped by its own deadline, with wider but valid bounds
+    stopped.status = RowStatus::timeout, stopped.solver_status = "time_limit", stopped.reason = "not within 1 s";
     Outcome untimed = answered(1, 2, 1, 1);  // killed during its timed repeats
     untimed.status = RowStatus::timeout, untimed.repeats.clear(), untimed.reason = "not while it was timed";
-    for (const Outcome& late : {killed(RowStatus::timeout, "killed: no answer within 1 s"), own, untimed,
+    for (const Outcome& late : {killed(RowStatus::timeout, "killed: no answer within 1 s"), stopped, untimed,
                                 killed(RowStatus::out_of_memory, "too much"), killed(RowStatus::signal, "signal 11")}) {
         const Outcome o = gathered({answered(1, 2, 1, 0), answered(1, 2, 1, 1), late});
         EXPECT_EQ(o.status, late.status);

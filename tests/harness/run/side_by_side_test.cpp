@@ -191,11 +191,11 @@ TEST(SplitOfAPlan, JobsOfTheSameCasesStayTogether) {
 
 TEST(SplitOfAPlan, IsReadAsItWasWritten) {
     const fs::path file = fs::path(testing::TempDir()) / "split.json";
-    const Shards one = split(plan_of({10, 20, 30}), Estimates(""), 2);
-    write_split(file, one);
+    const Shards written = split(plan_of({10, 20, 30}), Estimates(""), 2);
+    write_split(file, written);
     const Shards again = read_split(file);
     EXPECT_EQ(again.of, 2);
-    EXPECT_EQ(again.shards, one.shards);
+    EXPECT_EQ(again.shards, written.shards);
     for (const char* text : {"", "{}", "[1]", R"({"hausbench_split": 2, "of": 1, "shards": {}})",
                              R"({"hausbench_split": 1, "of": 0, "shards": {}})",
                              R"({"hausbench_split": 1, "of": 2, "shards": {"a": 3}})"}) {
