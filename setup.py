@@ -21,12 +21,12 @@ ROOT = Path(__file__).resolve().parent
 
 
 def version() -> str:
-    found = re.search(
+    match = re.search(
         r"project\(hausbench VERSION ([\d.]+)",
         (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"),
     )
-    assert found
-    return found[1]
+    assert match
+    return match[1]
 
 
 GROUPS = (

@@ -44,10 +44,10 @@ def draw(stem: str, folder: Path, out: Path) -> int:
         results = missing.without(whole)
         if not len(results.cases) and lacking:
             raise ResultError("all are missing")
-        for each in drawn_with(stem):
-            report: Report = importlib.import_module(module_of(each)).make(results)
-            print(*report.save(results, out, each), sep="\n")
-            for verdict in table.verdicts if (table := report.printed(results, each)) else ():
+        for drawn in drawn_with(stem):
+            report: Report = importlib.import_module(module_of(drawn)).make(results)
+            print(*report.save(results, out, drawn), sep="\n")
+            for verdict in table.verdicts if (table := report.printed(results, drawn)) else ():
                 print(printable(verdict.line()))
     except ResultError as problem:
         if lacking:
@@ -70,14 +70,14 @@ def draw_apart(stem: str, folder: Path, out: Path, to: Connection) -> None:
     """Draws a stem and sends the exit code and what was printed; an error in its script becomes
     part of that."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a traceback
-    said, complained = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
+    output, complained = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complained):
         try:
             code = draw(stem, folder, out)
         except Exception:
             print(f"{stem}: its script failed:\n{traceback.format_exc()}", file=sys.stderr)
             code = 1
-    to.send((code, said.getvalue(), complained.getvalue()))
+    to.send((code, output.getvalue(), complained.getvalue()))
 
 
 def outcome(stem: str, ready: Connection, process: BaseProcess) -> tuple[int, str, str]:
@@ -101,9 +101,9 @@ def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
     """
     context, most = multiprocessing.get_context("fork"), min(8, len(os.sched_getaffinity(0)))
     waiting, running = list(enumerate(stems)), dict[Connection, tuple[int, BaseProcess]]()
-    said, worst = dict[int, tuple[int, str, str]](), 0
+    outcomes, worst = dict[int, tuple[int, str, str]](), 0
     for number in range(len(stems)):
-        while number not in said:
+        while number not in outcomes:
             while waiting and len(running) < most:
                 at, stem = waiting.pop(0)
                 receiver, sender = context.Pipe(duplex=False)
@@ -114,8 +114,8 @@ def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
             for ready in wait(list(running)):
                 assert isinstance(ready, Connection)
                 at, ended = running.pop(ready)
-                said[at] = outcome(stems[at], ready, ended)
-        code, printed, complained = said.pop(number)
+                outcomes[at] = outcome(stems[at], ready, ended)
+        code, printed, complained = outcomes.pop(number)
         print(printed, end="", flush=True)
         print(complained, end="", file=sys.stderr, flush=True)
         worst = max(worst, code)

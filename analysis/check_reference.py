@@ -28,7 +28,7 @@ from typing import Final
 
 import tomli_w
 
-from analysis.shared import missing, table_files, unlike
+from analysis.shared import missing, table_files, tables, unlike
 from analysis.shared.cells import WORK
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.remedy import ROOT
@@ -72,10 +72,10 @@ def rows_of(results: Results, of_other_shapes: bool = False) -> Rows:
     trace. Others may depend on the machine. They are the rows of the kept shapes, or of other
     shapes.
     """
-    cases, found, other = results.cases, Rows(), set(unlike.rows(results))
+    cases, compared, unlike_rows = results.cases, Rows(), set(unlike.rows(results))
     for row in results.rows(status="ok", threads=1):
         if (
-            (row in other) != of_other_shapes
+            (row in unlike_rows) != of_other_shapes
             or cases.solver[row] == "external"
             or cases.from_trace[row]
         ):
@@ -83,7 +83,7 @@ def rows_of(results: Results, of_other_shapes: bool = False) -> Rows:
         counters = {
             name: str(int(cases.counters[name][row])) for name in COUNTED if name in cases.counters
         }
-        found[str(cases.identity[row])[:16]] = {
+        compared[str(cases.identity[row])[:16]] = {
             "identity": str(cases.identity[row])[:16],
             "solver": str(results.names[row]),
             "scene": str(cases.scene[row]),
@@ -93,7 +93,7 @@ def rows_of(results: Results, of_other_shapes: bool = False) -> Rows:
             "upper": repr(float(cases.upper[row])),
             **counters,
         }
-    return found
+    return compared
 
 
 def kept(stem: str) -> Rows:
@@ -116,11 +116,11 @@ def same_words(here: Rows, there: Rows) -> Rows:
     kept row is left out, because its shapes must be others.
     """
     identity_of = {words(row): identity for identity, row in there.items()}
-    found = {identity_of[words(row)]: row for row in here.values() if words(row) in identity_of}
+    matched = {identity_of[words(row)]: row for row in here.values() if words(row) in identity_of}
     alike = {
-        row["scene"] for identity, row in found.items() if not differences(row, there[identity])
+        row["scene"] for identity, row in matched.items() if not differences(row, there[identity])
     }
-    return {identity: row for identity, row in found.items() if row["scene"] in alike}
+    return {identity: row for identity, row in matched.items() if row["scene"] in alike}
 
 
 def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
@@ -138,12 +138,12 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
     different. So do rows of other shapes than the kept ones if the version of CGAL is the same.
     """
     here, there, cases = rows_of(results), kept(stem), results.cases
-    other = {words(row) for row in rows_of(results, of_other_shapes=True).values()} & {
-        words(row) for row in there.values()
-    }
+    other_rows = rows_of(results, of_other_shapes=True)
+    other_words = {words(row) for row in other_rows.values()}
+    other_words &= {words(row) for row in there.values()}
     skipped = (
-        f"{len(other)} rows not compared: {unlike.sentence(results, unlike.rows(results))}"
-        if other
+        f"{len(other_words)} rows not compared: {unlike.sentence(results, unlike.rows(results))}"
+        if other_words
         else ""
     )
     never_run = {*missing.missing_rows(results), *unlike.rows(results)}
@@ -169,18 +169,18 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
         identity: [f"status ok -> {lost[identity]}"] for identity in both if identity not in here
     }
     differing |= {
-        identity: found
+        identity: changes
         for identity in both
-        if identity in here and (found := differences(here[identity], there[identity]))
+        if identity in here and (changes := differences(here[identity], there[identity]))
     }
     lines = [
         f"{stem}: bounds and counted work equal the reference: {len(both) - len(differing)} of {len(both)} rows"
         + (f"; {skipped}" if skipped else "")
     ]
-    for identity, found in list(differing.items())[:10]:
+    for identity, changes in list(differing.items())[:10]:
         row = there[identity]
         lines.append(
-            f"  {row['solver']} on {row['scene']}, pose {row['pose']}, tolerance {row['tolerance']}: {'; '.join(found)}"
+            f"  {row['solver']} on {row['scene']}, pose {row['pose']}, tolerance {row['tolerance']}: {'; '.join(changes)}"
         )
     return "\n".join(lines), not differing and not (skipped and unlike.same_cgal(results))
 
@@ -199,13 +199,11 @@ def keep(stem: str, results: Results) -> Path:
     rows = {
         identity: row for identity, row in kept(stem).items() if words(row) not in replaced
     } | new
+    records: list[tables.Record] = []
+    for row in rows.values():
+        records.append({name: row.get(name, "") for name in NAMES})
     path = FOLDER / f"{stem}.csv"
-    table_files.write_whole(
-        path,
-        table_files.comma_separated(
-            [{name: row.get(name, "") for name in NAMES} for row in rows.values()]
-        ),
-    )
+    table_files.write_whole(path, table_files.comma_separated(records))
     return path
 
 
@@ -291,12 +289,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if chosen.keep:
                 print(keep(stem, results))
                 continue
-            said, equal = check(stem, results)
+            message, equal = check(stem, results)
         except ResultError as problem:
             print(problem, file=sys.stderr)
             code = 2
             continue
-        print(said)
+        print(message)
         code = code or (0 if equal else 1)
     return code
 

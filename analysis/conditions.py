@@ -27,12 +27,12 @@ BRACKETS: Final = (
 def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:
     """Returns the texts about these stems from the kept files of tables: the head of each file,
     which names the machine, and sections."""
-    wanted, found = {_results_of(stem) for stem in stems}, []
+    wanted, texts = {_results_of(stem) for stem in stems}, []
     for path in sorted(folder.glob("*.md")):
         head, *sections = path.read_text(encoding="utf-8").split("\n## ")
-        own = [section for section in sections if section.partition("\n")[0].strip() in wanted]
-        found += [head, *own] if own else []
-    return found
+        matching = [section for section in sections if section.partition("\n")[0].strip() in wanted]
+        texts += [head, *matching] if matching else []
+    return texts
 
 
 def _results_of(stem: str) -> str:

@@ -60,10 +60,10 @@ _OVERFULL: Final = re.compile(
 
 def _place(stem: str) -> tuple[int, int, str]:
     """Returns a sort key for stems: figures by number, then tables, then sections, then others."""
-    found = re.search(r"_(fig|table|section)(\d+)$", stem)
+    match = re.search(r"_(fig|table|section)(\d+)$", stem)
     return (
-        (["fig", "table", "section"].index(found[1]), int(found[2]), stem)
-        if found
+        (["fig", "table", "section"].index(match[1]), int(match[2]), stem)
+        if match
         else (3, 0, stem)
     )
 
@@ -73,15 +73,19 @@ def stems_of(paper: str) -> list[str]:
 
     For `hausbench`, returns the stems that belong to no paper.
     """
-    others = {each for each in papers() if each != claims.OWN}
-    found = [
+    other_papers = {name for name in papers() if name != claims.OWN}
+    measured = [
         file.stem
         for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
-        if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)
+        if (
+            file.parent.name == paper
+            if paper != claims.OWN
+            else file.parent.name not in other_papers
+        )
     ]
-    ordered = found if paper == claims.OWN else sorted(found, key=_place)
+    ordered = measured if paper == claims.OWN else sorted(measured, key=_place)
     return [
-        *dict.fromkeys(each for stem in ordered if has_script(stem) for each in drawn_with(stem)),
+        *dict.fromkeys(drawn for stem in ordered if has_script(stem) for drawn in drawn_with(stem)),
         *(OF_ALL if paper == claims.OWN else ()),
     ]
 
@@ -97,8 +101,8 @@ def title_of(stem: str) -> str:
 def caption_of(folder: Path, stem: str) -> str:
     """Returns the caption of a figure: its own or, if it has none, the caption of its table or the
     title of its experiment."""
-    if gate.is_plain(own := folder / "figures" / f"{stem}{CAPTION}"):
-        return own.read_text(encoding="utf-8").strip()
+    if gate.is_plain(caption := folder / "figures" / f"{stem}{CAPTION}"):
+        return caption.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
     if gate.is_plain(table):
         return table.read_text(encoding="utf-8").partition("\n")[0].strip("*")
@@ -156,7 +160,7 @@ def document(paper: str, folder: Path, out: Path) -> str:
 def too_wide(log: str, allowed: float = 5.0) -> list[str]:
     """Returns the lines of a LaTeX log about boxes and floats that exceed the page by more than
     `allowed` points."""
-    return [found[0] for found in _OVERFULL.finditer(log) if float(found[1] or found[2]) > allowed]
+    return [match[0] for match in _OVERFULL.finditer(log) if float(match[1] or match[2]) > allowed]
 
 
 def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:

@@ -37,8 +37,8 @@ def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
         kind: importlib.import_module(f"analysis.views.{KINDS[kind]}").make(results)
         for kind in kinds or KINDS
     }
-    found = {kind: report for kind, report in made.items() if report is not None}
-    if not found:
+    drawable = {kind: report for kind, report in made.items() if report is not None}
+    if not drawable:
         why = {
             "motion": "no scene has several poses",
             "performance-profile": "it needs two solvers and two cases with comparable times",
@@ -46,7 +46,7 @@ def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
         raise ResultError(
             f"{results.path}: cannot be drawn as {', '.join(made)}: {why.get(next(iter(made)), 'no row has bounds and a time')}"
         )
-    return found
+    return drawable
 
 
 def inches(text: str) -> float:
@@ -54,22 +54,22 @@ def inches(text: str) -> float:
     if text in style.WIDTHS:
         return style.WIDTHS[text]
     try:
-        found = float(text)
+        width = float(text)
     except ValueError:
-        found = 0.0
-    if not 2 <= found <= 40:
+        width = 0.0
+    if not 2 <= width <= 40:
         raise argparse.ArgumentTypeError(
             f"'{text}' is neither single, double nor a number of inches from 2 to 40"
         )
-    return found
+    return width
 
 
 def formats(text: str) -> list[str]:
     """Parses a comma-separated list into distinct names of SUFFIXES."""
-    found = list(dict.fromkeys(text.split(",")))
-    if unknown := [name for name in found if name not in SUFFIXES]:
+    names = list(dict.fromkeys(text.split(",")))
+    if unknown := [name for name in names if name not in SUFFIXES]:
         raise argparse.ArgumentTypeError(f"'{unknown[0]}' is not one of {', '.join(SUFFIXES)}")
-    return found
+    return names
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -38,14 +38,14 @@ Bar = tuple[
 ]  # value (NaN: only the range of several ratios is known), lower end, upper end (NaN: unknown)
 
 
-def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
+def bars(record: claims.Record) -> list[tuple[bool, Bar]]:
     """Returns up to two bars of a claim: (True, ratio of times) and (False, ratio of counted
     work)."""
 
-    def bar(found: object) -> Bar | None:
-        if not isinstance(found, list):
+    def bar(ratio: object) -> Bar | None:
+        if not isinstance(ratio, list):
             return None
-        value, least, most = (math.nan if x is None else float(x) for x in found)
+        value, least, most = (math.nan if x is None else float(x) for x in ratio)
         if math.isnan(value):  # a range, on which an unknown end is unlimited
             return (
                 value,
@@ -54,28 +54,31 @@ def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
             )
         return value, least, most
 
-    counted = one["counted"] if isinstance(one["counted"], Mapping) else {}
+    counted = record["counted"] if isinstance(record["counted"], Mapping) else {}
     work = counted.get(WORK) or next(iter(counted.values()), None) or {}
-    entry = claims.entries(str(one["paper"])).get(str(one["id"]))
+    entry = claims.entries(str(record["paper"])).get(str(record["id"]))
     in_time = entry is None or not entry.counts
-    found = [(in_time, bar(one.get("ratio"))), (False, bar(work.get("ratio")) if in_time else None)]
-    return [(kind, one_bar) for kind, one_bar in found if one_bar is not None]
+    candidates = [
+        (in_time, bar(record.get("ratio"))),
+        (False, bar(work.get("ratio")) if in_time else None),
+    ]
+    return [(kind, ratio_bar) for kind, ratio_bar in candidates if ratio_bar is not None]
 
 
-def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
+def draw(records: Sequence[claims.Record], measured: str = "") -> Any:
     """Draws one row per claim that has a ratio, in the given order, with a heading above the claims
     of each paper.
 
     `measured` names the machine and the number of rounds, for the note below.
     """
-    shown = [one for one in found if bars(one)]
+    shown = [record for record in records if bars(record)]
     heights, at, heads, before = [], 0.0, [], ""
-    for one in shown:
-        if one["paper"] != before:
-            before = str(one["paper"])
+    for record in shown:
+        if record["paper"] != before:
+            before = str(record["paper"])
             heads.append((at, before))
             at += 1
-        more = 0.5 * SECOND / ROW if "\n" in name_of(one) else 0.0
+        more = 0.5 * SECOND / ROW if "\n" in name_of(record) else 0.0
         heights.append(at + more)
         at += 1 + 2 * more
     shrink = min(1.0, (HIGHEST - FOOT) / (ROW * (at + 1)))
@@ -90,11 +93,11 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
         "va": "center",
         "clip_on": False,
     }
-    for one, y in zip(shown, heights):
+    for record, y in zip(shown, heights):
         ax.axhline(y, color="#EEEEEE", linewidth=0.5, zorder=0)
-        ax.text(-0.02, y, name_of(one), fontsize=5.6 * shrink, linespacing=1.05, **left)
-        both = len(bars(one)) > 1
-        for k, (in_time, bar) in enumerate(bars(one)):
+        ax.text(-0.02, y, name_of(record), fontsize=5.6 * shrink, linespacing=1.05, **left)
+        both = len(bars(record)) > 1
+        for k, (in_time, bar) in enumerate(bars(record)):
             _draw_bar(ax, y + (0.4 * k - 0.2 if both else 0.0), bar, in_time)
     for y, paper in heads:
         ax.text(
@@ -136,9 +139,9 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
     return figure
 
 
-def name_of(one: claims.Record) -> str:
+def name_of(record: claims.Record) -> str:
     """Returns the text of a claim, broken into two lines if it is long."""
-    text = f"{one['place']}: {one['claim']}" if one["place"] else str(one["claim"])
+    text = f"{record['place']}: {record['claim']}" if record["place"] else str(record["claim"])
     if len(text) <= WIDTH:
         return text
     return "\n".join(textwrap.wrap(text, len(text) // 2 + 8))

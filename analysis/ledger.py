@@ -94,7 +94,7 @@ def seconds_run(results: Results) -> float:
     )
 
 
-def same_answers(one: Results, other: Results) -> tuple[int, int]:
+def same_answers(first: Results, second: Results) -> tuple[int, int]:
     """Returns the number of rows with equal bounds in both results, and the number of rows in
     both."""
 
@@ -106,28 +106,28 @@ def same_answers(one: Results, other: Results) -> tuple[int, int]:
             if results.is_bounded(i)
         }
 
-    ours, theirs = bounds(one), bounds(other)
-    both = ours.keys() & theirs.keys()
-    return sum(ours[key] == theirs[key] for key in both), len(both)
+    first_bounds, second_bounds = bounds(first), bounds(second)
+    both = first_bounds.keys() & second_bounds.keys()
+    return sum(first_bounds[key] == second_bounds[key] for key in both), len(both)
 
 
 def read(results: Results) -> Stem:
     path = results.path
-    found = Stem(path.stem, seconds_run(results))
+    stem = Stem(path.stem, seconds_run(results))
     ledger = results.ledger
-    for kind, what, reason, seconds in zip(
+    for kind, subject, reason, seconds in zip(
         ledger.kind, ledger.what, ledger.reason, ledger.seconds_saved
     ):
-        key = what if what in KINDS and kind != "prepared_again" else kind
-        found.entries[key] += 1
-        found.saved[key] += float(seconds) if np.isfinite(seconds) else 0.0
-        found.unknown[key] += not np.isfinite(seconds)
-        found.reasons.setdefault(key, Counter())[reason] += 1
-    found.run -= sum(found.saved[key] for key in COSTS)
+        key = subject if subject in KINDS and kind != "prepared_again" else kind
+        stem.entries[key] += 1
+        stem.saved[key] += float(seconds) if np.isfinite(seconds) else 0.0
+        stem.unknown[key] += not np.isfinite(seconds)
+        stem.reasons.setdefault(key, Counter())[reason] += 1
+    stem.run -= sum(stem.saved[key] for key in COSTS)
     if (everything := path.with_name(path.stem + EVERYTHING)).exists():
         for equal, both in each(load_all([everything]), lambda whole: same_answers(results, whole)):
-            found.proof = f"{equal} of {both} answers are the same with nothing left out"
-    return found
+            stem.proof = f"{equal} of {both} answers are the same with nothing left out"
+    return stem
 
 
 def stems_in(folder: Path) -> list[Stem]:
@@ -135,12 +135,12 @@ def stems_in(folder: Path) -> list[Stem]:
 
     Prints a line for a damaged file and skips it. Raises ResultError if nothing is left.
     """
-    found = each(
+    stems = each(
         load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem), read
     )
-    if not found:
+    if not stems:
         raise ResultError(f"{folder}: no results: make them with 'make experiments'")
-    return by_time(found)
+    return by_time(stems)
 
 
 def by_time(stems: Sequence[Stem]) -> list[Stem]:
@@ -162,9 +162,8 @@ def table(stems: Sequence[Stem]) -> tables.Table:
             saved[key] += seconds
         for key, texts in stem.reasons.items():
             reasons.setdefault(key, Counter()).update(texts)
-    known = [key for key in KINDS if entries[key]] + sorted(
-        key for key in entries if key not in KINDS
-    )
+    keys = [key for key in KINDS if entries[key]]
+    keys += sorted(key for key in entries if key not in KINDS)
     rows = [
         [
             KINDS[key][0] if key in KINDS else key,
@@ -172,7 +171,7 @@ def table(stems: Sequence[Stem]) -> tables.Table:
             f"{entries[key]:,}",
             seconds_text(saved[key], unknown[key], entries[key]),
         ]
-        for key in known
+        for key in keys
     ]
     proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
     return tables.Table(
@@ -208,19 +207,17 @@ def _most(reasons: Counter[str]) -> str:
 
 
 def line(stems: Sequence[Stem]) -> str:
-    entries, saved, run = (
-        sum(values)
-        for values in zip(*((stem.left_out, stem.seconds_saved, stem.run) for stem in stems))
-    )
+    entries = sum(stem.left_out for stem in stems)
+    saved = sum(stem.seconds_saved for stem in stems)
+    run = sum(stem.run for stem in stems)
     return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers and on reference answers"
 
 
 def draw(stems: Sequence[Stem]) -> Any:
     """Draws one bar per experiment: time in solvers, then time saved by kind. Bars below LEAST
     seconds are left out."""
-    short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [
-        stem for stem in stems if stem.run + stem.seconds_saved >= LEAST
-    ]
+    short = sum(stem.run + stem.seconds_saved < LEAST for stem in stems)
+    stems = [stem for stem in stems if stem.run + stem.seconds_saved >= LEAST]
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])
     ax.barh(places, left, color="#333333", height=0.7, label="time in solvers")
@@ -271,7 +268,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    found = table(stems)
+    listing = table(stems)
     records: list[tables.Record] = [
         {
             "stem": stem.name,
@@ -287,7 +284,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for key in stem.entries
     ]
     for path in [
-        *table_files.save(found, records, out, "ledger"),
+        *table_files.save(listing, records, out, "ledger"),
         *save_figure(draw(stems), out, "ledger", CAPTION),
         *save_caption(CAPTION, out, "ledger"),
     ]:

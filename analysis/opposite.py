@@ -20,19 +20,24 @@ from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED
 OPPOSITE: Final = {HOLDS: FAILS, FAILS: HOLDS, NOT_REFUTED: FAILS}
 
 
-def _key(one: claims.Record) -> tuple[str, ...]:
-    return tuple(str(one[name]) for name in ("paper", "id", "stem", "place", "claim"))
+def _key(record: claims.Record) -> tuple[str, ...]:
+    return tuple(str(record[name]) for name in ("paper", "id", "stem", "place", "claim"))
+
+
+def _verdicts_in(folder: Path) -> list[claims.Record]:
+    paths = sorted(folder.glob(f"*{claims.SUFFIX}"))
+    return [record for path in paths for record in claims.read(path)]
 
 
 def opposites(now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[str]:
     """Returns a line for each claim whose outcome now is the opposite of the kept one ('holds',
     'does not hold')."""
-    before = {_key(one): str(one["outcome"]) for one in kept}
+    before = {_key(record): str(record["outcome"]) for record in kept}
     return [
-        f"{one['stem']}: {one['place']}{': ' if one['place'] else ''}{one['claim']}: {one['outcome']} here ({one['evidence']}), "
-        f"{before[_key(one)]} in results/reference"
-        for one in now
-        if OPPOSITE.get(str(one["outcome"])) == before.get(_key(one), "") != ""
+        f"{record['stem']}: {record['place']}{': ' if record['place'] else ''}{record['claim']}: {record['outcome']} here ({record['evidence']}), "
+        f"{before[_key(record)]} in results/reference"
+        for record in now
+        if OPPOSITE.get(str(record["outcome"])) == before.get(_key(record), "") != ""
     ]
 
 
@@ -48,10 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="folder that has tables/ (default: results)",
     )
     tables = parser.parse_args(arguments).out / "tables"
-    now, kept = (
-        [one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)]
-        for folder in (tables, REFERENCE)
-    )
+    now, kept = _verdicts_in(tables), _verdicts_in(REFERENCE)
     lines = opposites(now, kept)
     print(
         *lines or [f"no verdict is opposite to a kept one ({len(now)} verdicts, {len(kept)} kept)"],

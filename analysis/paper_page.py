@@ -59,8 +59,8 @@ class Line:
         return f"{place}: {self.verdict['claim']}" if place else str(self.verdict["claim"])
 
 
-def _key(one: claims.Record) -> tuple[str, ...]:
-    return tuple(str(one[name]) for name in ("paper", "id", "stem", "place", "claim"))
+def _key(record: claims.Record) -> tuple[str, ...]:
+    return tuple(str(record[name]) for name in ("paper", "id", "stem", "place", "claim"))
 
 
 def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
@@ -71,18 +71,18 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
     judge. Raises ValueError for a verdict on a claim that is marked untested.
     """
     tested = {
-        _key(one): Line(claims.entries(paper)[str(one["id"])], one)
-        for one in now
-        if one["paper"] == paper
-        and one["outcome"] != UNTESTED
-        and one["id"] in claims.entries(paper)
+        _key(record): Line(claims.entries(paper)[str(record["id"])], record)
+        for record in now
+        if record["paper"] == paper
+        and record["outcome"] != UNTESTED
+        and record["id"] in claims.entries(paper)
     }
     before = {
-        _key(one): Line(claims.entries(paper)[str(one["id"])], one, True)
-        for one in kept
-        if one["paper"] == paper and one["id"] in claims.entries(paper)
+        _key(record): Line(claims.entries(paper)[str(record["id"])], record, True)
+        for record in kept
+        if record["paper"] == paper and record["id"] in claims.entries(paper)
     }
-    found = list(
+    lines = list(
         (
             before
             | {
@@ -92,15 +92,14 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
             }
         ).values()
     )
-    if wrong := next((line.entry.id for line in found if line.entry.untested), ""):
+    if wrong := next((line.entry.id for line in lines if line.entry.untested), ""):
         raise ValueError(
             f"{paper}/{wrong} is marked untested and has a verdict: remove `untested` from analysis/claims/{paper}.toml, or the verdict"
         )
-    return [
-        line
-        for entry in claims.entries(paper).values()
-        for line in ([line for line in found if line.entry.id == entry.id] or [Line(entry)])
-    ]
+    ordered: list[Line] = []
+    for entry in claims.entries(paper).values():
+        ordered += [line for line in lines if line.entry.id == entry.id] or [Line(entry)]
+    return ordered
 
 
 def why(line: Line) -> str:
@@ -111,22 +110,24 @@ def why(line: Line) -> str:
     """
     if line.verdict is None:
         return line.entry.untested or "Not measured at the sizes of the claim yet."
-    counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
-    said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
-    said += [line.entry.why_not] if line.entry.why_not and line.outcome == FAILS else []
+    verdicts = dict(line.verdict["counted"]).values()  # type: ignore[call-overload]
+    counted = {str(verdict["outcome"]) for verdict in verdicts}
+    reasons = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
+    reasons += [line.entry.why_not] if line.entry.why_not and line.outcome == FAILS else []
     if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:
-        said.append(
+        reasons.append(
             "The counted work agrees with the paper: a unit of work takes a different time here."
         )
-    elif not said and line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
-        said.append("The counted work says the same, so the machine is not the reason.")
-    return " ".join(said)
+    elif not reasons and line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
+        reasons.append("The counted work says the same, so the machine is not the reason.")
+    return " ".join(reasons)
 
 
 def _counted(line: Line) -> str:
     counted = dict(line.verdict["counted"]) if line.verdict else {}  # type: ignore[call-overload]
     return "; ".join(
-        f"{what}: {one['outcome']} ({one['evidence']})" for what, one in counted.items()
+        f"{measure}: {verdict['outcome']} ({verdict['evidence']})"
+        for measure, verdict in counted.items()
     )
 
 
@@ -203,16 +204,13 @@ def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     ]
     parts += [measured, ""] if measured else []
     if stems:
+        parts += ["| stem | what it measures |", "| --- | --- |"]
+        parts += [row([f"`{stem}`", title]) for stem, title in stems]
         parts += [
-            "| stem | what it measures |",
-            "| --- | --- |",
-            *[row([f"`{stem}`", title]) for stem, title in stems],
-            *[
-                row([figures, f"nothing is measured: {what}"])
-                for figures, what in SKETCHES.get(paper, ())
-            ],
-            "",
+            row([figures, f"nothing is measured: {subject}"])
+            for figures, subject in SKETCHES.get(paper, ())
         ]
+        parts.append("")
     marked = [
         [*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`" if cells[5] else ""]
         for cells in cells(lines)
@@ -269,12 +267,12 @@ def papers() -> list[str]:
 def records(folder: Path) -> list[claims.Record]:
     """Reads all verdicts of a folder. Names a file that cannot be read on standard error, and
     leaves it out."""
-    found = []
+    verdicts = []
     for path in sorted(folder.glob(f"*{claims.SUFFIX}")):
         if not gate.is_plain(path):
             continue
         try:
-            found += claims.read(path)
+            verdicts += claims.read(path)
         except (ValueError, RecursionError) as problem:
             print(
                 printable(
@@ -284,7 +282,7 @@ def records(folder: Path) -> list[claims.Record]:
                 ),
                 file=sys.stderr,
             )
-    return found
+    return verdicts
 
 
 def judging(lines: Iterable[Line], kept: bool) -> set[str]:

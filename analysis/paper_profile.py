@@ -125,7 +125,7 @@ def files_of(
         )
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
     rows, texts, judged = dict(kept.rows), dict(kept.tables), list[claims.Record]()
-    timed = [one for one in kept.times if one["stem"] not in stems]
+    timed = [record for record in kept.times if record["stem"] not in stems]
     for stem, results in zip(stems, all_results):
         counts = {
             status: int((results.cases.status == status).sum())
@@ -137,25 +137,27 @@ def files_of(
         )
         style.introduce(results)
         reports: dict[str, Report] = {
-            each: importlib.import_module(module_of(each)).make(results)
-            for each in drawn_with(stem)
+            name: importlib.import_module(module_of(name)).make(results)
+            for name in drawn_with(stem)
         }
         made = {
-            each: table
-            for each, report in reports.items()
-            if (table := report.printed(results, each))
+            name: table
+            for name, report in reports.items()
+            if (table := report.printed(results, name))
         }
         texts[stem] = "\n\n".join(tables.markdown(table).strip("\n") for table in made.values())
         judged += [
-            one
-            for each, table in made.items()
-            for one in claims.records(table.verdicts, each, whole)
+            record
+            for name, table in made.items()
+            for record in claims.records(table.verdicts, name, whole)
         ]
         if stem in winners.RACES:
             timed += winners.times(reports[stem].records, results)
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
-    machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
+    for machine in kept.machines:
+        if any(machine in text for text in still):
+            machines.add(machine)
     by_hand = f', but for "{SAYS}"' if kept.says else ""
     parts = [
         f"# {group}, profile `{whole}`",
@@ -174,11 +176,11 @@ def files_of(
         parts += ["", f"## {SAYS}", "", kept.says]
     for stem in ordered:
         parts += ["", f"## {stem}", "", texts[stem]]
-    judged += [one for one in kept.verdicts if results_of(str(one["stem"])) not in stems]
+    judged += [record for record in kept.verdicts if results_of(str(record["stem"])) not in stems]
     place = {stem: i for i, stem in enumerate(ordered)}
     return (
         "\n".join(parts) + "\n",
-        sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place))),
+        sorted(judged, key=lambda record: place.get(results_of(str(record["stem"])), len(place))),
         timed,
     )
 

@@ -53,9 +53,9 @@ class Cell:
         )
         if not worst.ratio.n:
             return f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: no ratio to {worst.name}: {worst.ratio.reason}"
-        what = "beaten by" if self.beaten_by else "not separated from"
+        relation = "beaten by" if self.beaten_by else "not separated from"
         return (
-            f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: {what} {worst.name}, "
+            f"{style.scene_title(self.scene)} at {numerals.number(self.tolerance, 1)}: {relation} {worst.name}, "
             f"{numerals.estimate(worst.ratio)} times as fast with a gap of {numerals.number(worst.gap, 2)} instead of {numerals.number(self.gap, 2)}"
         )
 
@@ -63,29 +63,29 @@ class Cell:
 def cells(results: Results, solver: str) -> list[Cell]:
     """Returns one cell for each row of the solver that is `ok`, in the order of the file."""
     cases, kinds = results.cases, dict(zip(results.models.name, results.models.kind))
-    found = []
-    for own in results.rows(solver=solver, status="ok"):
-        if {kinds.get(cases.source[own]), kinds.get(cases.target[own])} != {"mesh"}:
+    solver_cells = []
+    for solver_row in results.rows(solver=solver, status="ok"):
+        if {kinds.get(cases.source[solver_row]), kinds.get(cases.target[solver_row])} != {"mesh"}:
             continue
         same = results.rows(
-            scene=cases.scene[own],
-            pose_index=cases.pose_index[own],
-            tolerance=cases.tolerance[own],
+            scene=cases.scene[solver_row],
+            pose_index=cases.pose_index[solver_row],
+            tolerance=cases.tolerance[solver_row],
             certified=1,
         )
         rivals = [
             Rival(
                 style.title(cases.solver[row], results.names[row]),
-                apart(origins(results, (int(own), int(row))))
+                apart(origins(results, (int(solver_row), int(row))))
                 or ratio_by_round(
-                    results.total_by_round(int(own)), results.total_by_round(int(row))
+                    results.total_by_round(int(solver_row)), results.total_by_round(int(row))
                 ),
                 results.gap(int(row)),
             )
             for row in same
             if cases.solver[row] != solver
             and results.is_bounded(int(row))
-            and results.gap(int(row)) <= results.gap(int(own))
+            and results.gap(int(row)) <= results.gap(int(solver_row))
         ]
         near = tuple(
             rival
@@ -93,37 +93,36 @@ def cells(results: Results, solver: str) -> list[Cell]:
             if (rival.ratio.n or rival.ratio.reason)
             and not (rival.ratio.separated and rival.ratio.high < 1)
         )
-        found.append(
+        solver_cells.append(
             Cell(
-                cases.scene[own],
-                int(cases.pose_index[own]),
-                float(cases.tolerance[own]),
-                results.gap(int(own)),
+                cases.scene[solver_row],
+                int(cases.pose_index[solver_row]),
+                float(cases.tolerance[solver_row]),
+                results.gap(int(solver_row)),
                 near,
             )
         )
-    return found
+    return solver_cells
 
 
-def judge(found: Sequence[Cell], title: str) -> Verdict:
+def judge(solver_cells: Sequence[Cell], title: str) -> Verdict:
     claim = claims.of("hausbench", "pareto", title=title, share=SHARE)
-    if not found:
+    if not solver_cells:
         return Verdict(claim, UNTESTED, "no cells")
-    beaten, unsure = sum(bool(cell.beaten_by) for cell in found), sum(
-        bool(cell.rivals) and not cell.beaten_by for cell in found
-    )
-    front = len(found) - beaten - unsure
+    beaten = sum(bool(cell.beaten_by) for cell in solver_cells)
+    unsure = sum(bool(cell.rivals) and not cell.beaten_by for cell in solver_cells)
+    front = len(solver_cells) - beaten - unsure
     outcome = (
         HOLDS
-        if front >= SHARE * len(found)
+        if front >= SHARE * len(solver_cells)
         else FAILS
-        if front + unsure < SHARE * len(found)
+        if front + unsure < SHARE * len(solver_cells)
         else OPEN
     )
     return Verdict(
         claim,
         outcome,
-        f"{front} of {len(found)} cells, beaten in {beaten}, not separated in {unsure}",
+        f"{front} of {len(solver_cells)} cells, beaten in {beaten}, not separated in {unsure}",
     )
 
 
@@ -143,12 +142,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     chosen = parser.parse_args(arguments)
     try:
-        found = cells(load(chosen.results / f"{chosen.stem}.h5"), chosen.solver)
+        solver_cells = cells(load(chosen.results / f"{chosen.stem}.h5"), chosen.solver)
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    print(judge(found, style.title(chosen.solver)).line())
-    for cell in found:
+    print(judge(solver_cells, style.title(chosen.solver)).line())
+    for cell in solver_cells:
         if cell.rivals:
             print(cell.line())
     return 0

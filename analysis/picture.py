@@ -81,15 +81,12 @@ def read(file: Path) -> Coloured:
             elements[-1][1].extend([("count", "u1"), ("corners", "<i4", 3)])
         elif words[0] == "property":
             elements[-1][1].append((words[2], kinds[words[1]]))
-    vertices, *faces = (
-        np.frombuffer(
-            body,
-            np.dtype(kind),
-            count,
-            sum(n * np.dtype(other).itemsize for n, other in elements[:i]),
-        )
-        for i, (count, kind) in enumerate(elements)
-    )
+    arrays, offset = list[Any](), 0
+    for count, kind in elements:
+        layout = np.dtype(kind)
+        arrays.append(np.frombuffer(body, layout, count, offset))
+        offset += count * layout.itemsize
+    vertices, *faces = arrays
     corners = np.stack([vertices[axis] for axis in "xyz"], axis=1)
     return Coloured(
         corners,
@@ -117,7 +114,7 @@ def histogram(
     statistics = ", ".join(
         ["mean", "quantile 0.95", *(f"within {float(edge)!r}" for edge in edges[:-1])]
     )
-    found = solved(
+    distribution = solved(
         program,
         a,
         b,
@@ -128,18 +125,19 @@ def histogram(
         f"--budget={PIECES}",
         *options,
     )["distribution"]
-    shares = sorted((float(length), bounds) for length, bounds in found["share_within"].items())
-    lower, upper = (
-        np.array([*(float(bounds[end]) for _, bounds in shares), 1.0]) for end in ("lower", "upper")
+    shares = sorted(
+        (float(length), bounds) for length, bounds in distribution["share_within"].items()
     )
+    lower = np.array([*(float(bounds["lower"]) for _, bounds in shares), 1.0])
+    upper = np.array([*(float(bounds["upper"]) for _, bounds in shares), 1.0])
     below_low, below_high = np.append(0.0, lower[:-1]), np.append(0.0, upper[:-1])
     return Histogram(
         edges,
         np.maximum(lower - below_high, 0.0),
         np.minimum(upper - below_low, 1.0),
         *(
-            (float(one["lower"]), min(float(one["upper"]), largest))
-            for one in (found["mean"], found["quantiles"]["0.95"])
+            (float(statistic["lower"]), min(float(statistic["upper"]), largest))
+            for statistic in (distribution["mean"], distribution["quantiles"]["0.95"])
         ),
     )
 
@@ -279,10 +277,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("b")
     parser.add_argument("--picture", type=Path, required=True)
     given, rest = parser.parse_known_args(arguments)
-    options, fineness, limit = (
-        [word for word in rest if word.startswith(names)]
-        for names in (READING, ("--resolution=",), ("--time-limit=",))
-    )
+    options = [word for word in rest if word.startswith(READING)]
+    fineness = [word for word in rest if word.startswith("--resolution=")]
+    limit = [word for word in rest if word.startswith("--time-limit=")]
     if any(float(word.partition("=")[2]) > 0.5 for word in fineness):
         return complain(
             "A is drawn from values that are close to its distance: leave out --resolution, or take at most 0.5"

@@ -45,10 +45,10 @@ def program() -> Path:
     return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
-def listed(*what: str) -> Any:
+def listed(*options: str) -> Any:
     """Returns the parsed JSON output of `hausbench list`."""
     done = subprocess.run(
-        [program(), "list", *what], cwd=ROOT, capture_output=True, text=True, check=True
+        [program(), "list", *options], cwd=ROOT, capture_output=True, text=True, check=True
     )
     return json.loads(done.stdout)
 
@@ -62,41 +62,41 @@ def module(groups: Groups) -> str:
     """Returns the text of columns.py: one dataclass per group, and the default of each column, for
     files that lack it."""
     text = HEAD
-    for group, known in groups.items():
+    for group, group_columns in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"
         text += "".join(
             f"    {column['name']}: {TYPES[column['type']]}\n"
-            for column in known
+            for column in group_columns
             if column["type"] != "count"
         )
-        if any(column["type"] == "count" for column in known):
+        if any(column["type"] == "count" for column in group_columns):
             text += "    counters: Counters  # every counter_* column, without the prefix\n"
             text += "\n    def __len__(self) -> int:\n        return len(self.identity)\n"
         elif group == "trace":
             text += "\n    def __len__(self) -> int:\n        return len(self.seconds)\n"
     text += "\n\nDEFAULTS: dict[str, Any] = {\n"
-    for group, known in groups.items():
+    for group, group_columns in groups.items():
         text += "".join(
             f'    "{group}/{column["name"]}": {default(column)},\n'
-            for column in known
+            for column in group_columns
             if column["type"] != "count"
         )
     return text + "}\n"
 
 
 def default(column: dict[str, Any]) -> str:
-    def one(value: Any) -> str:
+    def literal(value: Any) -> str:
         if column["type"] == "text":
             return json.dumps(value)
         return f'float("{value}")' if isinstance(value, str) else repr(value)
 
     value = column["default"]
-    return f"[{', '.join(map(one, value))}]" if isinstance(value, list) else one(value)
+    return f"[{', '.join(map(literal, value))}]" if isinstance(value, list) else literal(value)
 
 
-def table(known: list[dict[str, Any]]) -> str:
+def table(group_columns: list[dict[str, Any]]) -> str:
     lines = ["| column | type | meaning |", "| --- | --- | --- |"]
-    for column in known:
+    for column in group_columns:
         kind = column["type"] if column["width"] == 1 else f"{column['width']} x {column['type']}"
         part = "; part of the identity" if column["identity"] else ""
         lines.append(f"| `{column['name']}` | {kind} | {column['meaning']}{part} |")
@@ -105,8 +105,8 @@ def table(known: list[dict[str, Any]]) -> str:
 
 def readme(text: str, groups: Groups) -> str:
     """Returns results/README.md with a new table of columns for each group."""
-    for group, known in groups.items():
-        text = between_marks(text, f"columns of {group}", table(known))
+    for group, group_columns in groups.items():
+        text = between_marks(text, f"columns of {group}", table(group_columns))
     return text
 
 
@@ -135,8 +135,8 @@ def key_table(keys: list[dict[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def recipe_table(recipes: list[dict[str, Any]], what: str) -> str:
-    lines = [f"| `{what}` | numbers | shape |", "| --- | --- | --- |"]
+def recipe_table(recipes: list[dict[str, Any]], heading: str) -> str:
+    lines = [f"| `{heading}` | numbers | shape |", "| --- | --- | --- |"]
     for recipe in recipes:
         numbers = ", ".join(f"`{number['name']}`" for number in recipe["numbers"])
         lines.append(f"| `{recipe['name']}` | {numbers} | {recipe['meaning']} |")
@@ -145,9 +145,9 @@ def recipe_table(recipes: list[dict[str, Any]], what: str) -> str:
 
 def experiments(page: str, keys: dict[str, Any]) -> str:
     """Returns docs/experiments.md with new tables of keys, recipes and operations."""
-    for one in keys["tables"]:
+    for group in keys["tables"]:
         page = between_marks(
-            page, f"keys of {one['table'] or 'the top level'}", key_table(one["keys"])
+            page, f"keys of {group['table'] or 'the top level'}", key_table(group["keys"])
         )
     page = between_marks(page, "recipes", recipe_table(keys["recipes"], "recipe"))
     return between_marks(page, "operations", recipe_table(keys["operations"], "operation"))

@@ -75,12 +75,12 @@ def cells_of(results: Results) -> list[Cell]:
     Skips tolerances at which some answer was read off the trace of a finer run, because such an
     answer has no time.
     """
-    cases, kinds, found = (
+    cases, kinds, cells = (
         results.cases,
         dict(zip(results.models.name, results.models.kind)),
         list[Cell](),
     )
-    asked: dict[tuple[str, float], dict[str, int]] = {}
+    rows_by_key: dict[tuple[str, float], dict[str, int]] = {}
     untimed: set[tuple[str, float]] = set()
     for row in range(len(cases)):
         domain = str(kinds.get(cases.source[row], ""))
@@ -97,13 +97,13 @@ def cells_of(results: Results) -> list[Cell]:
         if not results.total_by_round(row) or cases.from_trace[row]:
             untimed |= {key} - {(key[0], FINEST)}
             continue
-        rows = asked.setdefault(key, {})
+        rows = rows_by_key.setdefault(key, {})
         label = str(cases.label[row])
         if label not in rows or float(cases.tolerance[row]) < float(cases.tolerance[rows[label]]):
             rows[label] = row
-    for (scene, tolerance), rows in asked.items():
+    for (scene, tolerance), rows in rows_by_key.items():
         if (scene, tolerance) not in untimed:
-            found.append(
+            cells.append(
                 cell(
                     results,
                     scene,
@@ -112,7 +112,7 @@ def cells_of(results: Results) -> list[Cell]:
                     str(kinds[cases.source[next(iter(rows.values()))]]),
                 )
             )
-    return found
+    return cells
 
 
 def takes_part(results: Results, row: int) -> bool:
@@ -146,23 +146,24 @@ def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], d
 
     def against(best: str) -> list[Estimate]:
         return [
-            apart(origins(results, [rows[best], rows[other]]))
-            or ratio_by_round(times[other], times[best])
-            for other in times
-            if other != best
+            apart(origins(results, [rows[best], rows[rival]]))
+            or ratio_by_round(times[rival], times[best])
+            for rival in times
+            if rival != best
         ]
 
-    best = next(
-        (
-            label
-            for label in by_median
-            if all(not one.n or one.value >= 1 for one in against(label))
-        ),
-        by_median[0],
-    )
+    best = by_median[0]
+    for label in by_median:
+        if all(not ratio.n or ratio.value >= 1 for ratio in against(label)):
+            best = label
+            break
     ratios = against(best)
-    known = [one for one in ratios if one.n]
-    least = min(known, key=lambda one: one.value) if known and len(known) == len(ratios) else None
+    known_ratios = [ratio for ratio in ratios if ratio.n]
+    least = (
+        min(known_ratios, key=lambda ratio: ratio.value)
+        if known_ratios and len(known_ratios) == len(ratios)
+        else None
+    )
     return Cell(
         domain,
         results.stem,
@@ -173,24 +174,25 @@ def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], d
         best,
         len(ratios),
         least if least and least.value >= 1 else None,
-        bool(known) and all(one.n and one.separated and one.low > 1 for one in ratios),
+        bool(known_ratios)
+        and all(ratio.n and ratio.separated and ratio.low > 1 for ratio in ratios),
     )
 
 
 def table(cells: Sequence[Cell], machine: str) -> tables.Table:
     rows = [
         [
-            DOMAINS[one.domain],
-            one.scene,
-            one.sizes,
-            "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
-            style.title(one.solver, one.label),
-            numerals.ratio(one.ratio) if one.ratio else numerals.NOTHING,
-            str(one.rivals),
-            "yes" if one.separated else "no",
-            one.stem,
+            DOMAINS[cell.domain],
+            cell.scene,
+            cell.sizes,
+            "finest" if cell.tolerance == FINEST else f"{cell.tolerance:g}",
+            style.title(cell.solver, cell.label),
+            numerals.ratio(cell.ratio) if cell.ratio else numerals.NOTHING,
+            str(cell.rivals),
+            "yes" if cell.separated else "no",
+            cell.stem,
         ]
-        for one in cells
+        for cell in cells
     ]
     return tables.Table(
         CAPTION,
@@ -236,26 +238,30 @@ class Row:
 def rows_of(cells: Sequence[Cell]) -> list[Row]:
     """Merges cells into the rows of the figure, in order."""
     scenes: dict[tuple[str, str], list[Cell]] = {}
-    for one in cells:
-        scenes.setdefault((one.stem, one.scene), []).append(one)
+    for cell in cells:
+        scenes.setdefault((cell.stem, cell.scene), []).append(cell)
     rows: list[Row] = []
     before: object = None
-    for (stem, scene), own in scenes.items():
-        found = re.fullmatch(r"(.+)[ _](\d[\dekKM.]*)", scene)
-        family, size = (found[1], found[2]) if found else (scene, "")
-        key = (stem, family, own[0].tolerance, own[0].label) if size and len(own) == 1 else None
+    for (stem, scene), scene_cells in scenes.items():
+        match = re.fullmatch(r"(.+)[ _](\d[\dekKM.]*)", scene)
+        family, size = (match[1], match[2]) if match else (scene, "")
+        key = (
+            (stem, family, scene_cells[0].tolerance, scene_cells[0].label)
+            if size and len(scene_cells) == 1
+            else None
+        )
         if key and key == before:
             rows[-1].sizes.append(size)
-            rows[-1].cells[own[0].tolerance] += own
+            rows[-1].cells[scene_cells[0].tolerance] += scene_cells
         else:
-            rows.append(Row(family, [size], {one.tolerance: [one] for one in own}))
+            rows.append(Row(family, [size], {cell.tolerance: [cell] for cell in scene_cells}))
         before = key
     return rows
 
 
 def text_of(cells: Sequence[Cell]) -> str:
     """Returns the fastest solver of these cells and the range of its factors: 'cover 2.2–3.3×'."""
-    ratios = sorted(one.ratio.value for one in cells if one.ratio is not None and one.ratio.n)
+    ratios = sorted(cell.ratio.value for cell in cells if cell.ratio is not None and cell.ratio.n)
     if len(cells) == 1 or len(ratios) < len(cells):
         return cells[0].text if len(cells) == 1 else cells[0].title
     ends = dict.fromkeys([numerals.number(ratios[0], 2), numerals.number(ratios[-1], 2)])
@@ -265,17 +271,20 @@ def text_of(cells: Sequence[Cell]) -> str:
 def draw(cells: Sequence[Cell]) -> Any:
     """Draws point sets on the left, meshes and surfaces on the right: one row per scene, one column
     per tolerance."""
-    there = [domain for domain in DOMAINS if any(one.domain == domain for one in cells)]
-    blocks = {domain: rows_of([one for one in cells if one.domain == domain]) for domain in there}
-    right = [domain for domain in there if domain != "points"]
+    domains = {cell.domain for cell in cells}
+    present = [domain for domain in DOMAINS if domain in domains]
+    blocks: dict[str, list[Row]] = {}
+    for domain in present:
+        blocks[domain] = rows_of([cell for cell in cells if cell.domain == domain])
+    right = [domain for domain in present if domain != "points"]
     tall = max(len(blocks.get("points", ())), sum(len(blocks[domain]) + 2 for domain in right))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, min(HIGHEST, 0.175 * tall + 0.9)))
     grid = (
         figure.add_gridspec(1, 2, width_ratios=(0.7, 2.2))
-        if right and "points" in there
+        if right and "points" in present
         else figure.add_gridspec(1, 1)
     )
-    if "points" in there:
+    if "points" in present:
         draw_block(figure.add_subplot(grid[0]), "points", blocks["points"])
     if right:
         below = grid[-1].subgridspec(
@@ -289,11 +298,11 @@ def draw(cells: Sequence[Cell]) -> Any:
 def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
     tolerances = sorted({tolerance for row in rows for tolerance in row.cells}, reverse=True)
     for y, row in enumerate(rows):
-        for tolerance, own in row.cells.items():
+        for tolerance, cells in row.cells.items():
             x, colour, separated = (
                 tolerances.index(tolerance),
-                style.look(own[0].solver, own[0].label).colour,
-                all(one.separated for one in own),
+                style.look(cells[0].solver, cells[0].label).colour,
+                all(cell.separated for cell in cells),
             )
             ax.add_patch(Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
             ax.add_patch(
@@ -310,7 +319,7 @@ def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
             ax.text(
                 x + 0.5,
                 y + 0.52,
-                text_of(own),
+                text_of(cells),
                 ha="center",
                 va="center",
                 fontsize=5.5,
@@ -350,31 +359,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
     try:
-        found = load_all(path for stem in STEMS if (path := chosen.results / f"{stem}.h5").exists())
+        all_results = load_all(
+            path for stem in STEMS if (path := chosen.results / f"{stem}.h5").exists()
+        )
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    cells = [one for some in each(found, cells_of) for one in some]
+    cells = [cell for of_stem in each(all_results, cells_of) for cell in of_stem]
     if not cells:
         print(f"which_solver: nothing to draw: {chosen.results} has no times of {', '.join(STEMS)}")
         return 0
-    made = table(cells, "; ".join(dict.fromkeys(machine_line(results) for results in found)))
+    made = table(cells, "; ".join(dict.fromkeys(machine_line(results) for results in all_results)))
     records: list[tables.Record] = [
         {
-            "domain": one.domain,
-            "stem": one.stem,
-            "scene": one.scene,
-            "sizes": one.sizes,
-            "tolerance": one.tolerance,
-            "solver": one.solver,
-            "label": one.label,
-            "rivals": one.rivals,
-            "next_best": one.ratio.value if one.ratio else float("nan"),
-            "low": one.ratio.low if one.ratio else float("nan"),
-            "high": one.ratio.high if one.ratio else float("nan"),
-            "separated": int(one.separated),
+            "domain": cell.domain,
+            "stem": cell.stem,
+            "scene": cell.scene,
+            "sizes": cell.sizes,
+            "tolerance": cell.tolerance,
+            "solver": cell.solver,
+            "label": cell.label,
+            "rivals": cell.rivals,
+            "next_best": cell.ratio.value if cell.ratio else float("nan"),
+            "low": cell.ratio.low if cell.ratio else float("nan"),
+            "high": cell.ratio.high if cell.ratio else float("nan"),
+            "separated": int(cell.separated),
         }
-        for one in cells
+        for cell in cells
     ]
     footnote = (
         "n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate "

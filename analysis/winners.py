@@ -58,43 +58,43 @@ def times(records: Iterable[tables.Record], results: Results) -> list[tables.Rec
 
     Keeps only the records of the largest tolerance of each scene.
     """
-    known = list(records)
+    rows = list(records)
     largest: dict[object, float] = {}
-    for one in known:
-        if "tolerance" in one:
-            largest[one["scene"]] = max(
-                float(str(one["tolerance"])), largest.get(one["scene"], 0.0)
+    for row in rows:
+        if "tolerance" in row:
+            largest[row["scene"]] = max(
+                float(str(row["tolerance"])), largest.get(row["scene"], 0.0)
             )
-    known = [
-        one for one in known if "tolerance" not in one or one["tolerance"] == largest[one["scene"]]
+    rows = [
+        row for row in rows if "tolerance" not in row or row["tolerance"] == largest[row["scene"]]
     ]
-    apart = {
-        scene: reason_apart(
-            one._replace(clock="") for one in origins(results, results.rows(scene=scene))
+    apart: dict[str, str] = {}
+    for scene in results.scenes:
+        scene_origins = origins(results, results.rows(scene=scene))
+        apart[scene] = reason_apart(origin._replace(clock="") for origin in scene_origins)
+    converted: list[tables.Record] = []
+    for row in rows:
+        seconds = [row[f"{end}_seconds"] for end in ("median", "low", "high")]
+        converted.append(
+            {
+                "stem": results.stem,
+                "scene": row["scene"],
+                "solver": row["solver"],
+                "label": row["label"],
+                "title": style.title(str(row["solver"]), str(row["label"])),
+                "n": row["n"],
+                "seconds": [x for x in seconds if isinstance(x, float) and math.isfinite(x)],
+                "apart": apart[str(row["scene"])],
+            }
         )
-        for scene in results.scenes
-    }
-    return [
-        {
-            "stem": results.stem,
-            **{name: one[name] for name in ("scene", "solver", "label")},
-            "title": style.title(str(one["solver"]), str(one["label"])),
-            "n": one["n"],
-            "seconds": [
-                x
-                for end in ("median", "low", "high")
-                if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)
-            ],
-            "apart": apart[str(one["scene"])],
-        }
-        for one in known
-    ]
+    return converted
 
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:
     """Reads the times that belong to a file of tables in `folder`. Raises OSError if there are
     none."""
-    return [Time(**one) for one in table_files.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
+    records = table_files.read_json((folder / file).with_suffix(SUFFIX))
+    return [Time(**record) for record in records]  # type: ignore[arg-type]
 
 
 @dataclass
@@ -118,40 +118,39 @@ class Race:
 
 
 def race(among: Sequence[Time]) -> Race:
-    scenes = dict.fromkeys(one.scene for one in among)
-    found = Race(len(scenes))
+    scenes = dict.fromkeys(time.scene for time in among)
+    result = Race(len(scenes))
     for scene in scenes:
-        known = sorted(
-            (one for one in among if one.scene == scene and one.n),
-            key=lambda one: (one.seconds[0], one.title),
+        ranked = sorted(
+            (time for time in among if time.scene == scene and time.n),
+            key=lambda time: (time.seconds[0], time.title),
         )
-        if len(known) < 2:
+        if len(ranked) < 2:
             continue
-        best, *others = known
-        single = [one.title for one in known if one.n == 1]
-        doubts = [f"times {best.apart}"] * bool(best.apart)
-        doubts += ["their intervals cover less than 95 %"] * any(
-            one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known
-        )
-        first = best.n > 1 and max(best.seconds) < min(x for one in others for x in one.seconds)
+        best, *others = ranked
+        single = [time.title for time in ranked if time.n == 1]
+        doubts = [f"times {best.apart}"] if best.apart else []
+        if any(time.n > 1 and not order_statistic_rank(time.n, CONFIDENCE) for time in ranked):
+            doubts.append("their intervals cover less than 95 %")
+        first = best.n > 1 and max(best.seconds) < min(x for time in others for x in time.seconds)
         if single or doubts:
-            found.unjudged += 1
-            found.single |= dict.fromkeys(single)
-            found.doubts |= dict.fromkeys(doubts)
+            result.unjudged += 1
+            result.single |= dict.fromkeys(single)
+            result.doubts |= dict.fromkeys(doubts)
             if first and not doubts:
-                found.least[best.name] = found.least.get(best.name, 0) + 1
+                result.least[best.name] = result.least.get(best.name, 0) + 1
         elif first:
-            found.won.setdefault(best.name, []).append(others[0].seconds[0] / best.seconds[0])
-    return found
+            result.won.setdefault(best.name, []).append(others[0].seconds[0] / best.seconds[0])
+    return result
 
 
 def victories(races: dict[str, Race]) -> dict[str, list[str]]:
     texts: dict[str, list[str]] = {}
-    for stem, seen in races.items():
-        for solver, factors in seen.won.items():
+    for stem, outcome in races.items():
+        for solver, factors in outcome.won.items():
             low, high = numerals.number(min(factors), 2), numerals.number(max(factors), 2)
             texts.setdefault(solver, []).append(
-                f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
+                f"{len(factors)} of the {outcome.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
                 "as fast as the next best"
             )
     return texts
@@ -160,32 +159,32 @@ def victories(races: dict[str, Race]) -> dict[str, list[str]]:
 def unjudged(races: dict[str, Race]) -> list[str]:
     """Returns the reasons why scenes have no winner, one line per table."""
     lines = []
-    for stem, seen in races.items():
-        if not seen.unjudged:
+    for stem, outcome in races.items():
+        if not outcome.unjudged:
             continue
-        why = [
-            f"{' and '.join(seen.single)} {'have' if len(seen.single) > 1 else 'has'} single times there, without an interval"
-        ] * bool(seen.single)
+        why = []
+        if outcome.single:
+            why.append(
+                f"{' and '.join(outcome.single)} {'have' if len(outcome.single) > 1 else 'has'} single times there, without an interval"
+            )
+        why += outcome.doubts
         why += [
-            *seen.doubts,
-            *[
-                f"the interval of {solver} lies below all intervals and single times in {count} of them"
-                for solver, count in seen.least.items()
-            ],
+            f"the interval of {solver} lies below all intervals and single times in {count} of them"
+            for solver, count in outcome.least.items()
         ]
         lines.append(
-            f"No winner in {seen.unjudged} of the {seen.scenes} {RACES[stem][1]}: {'; '.join(why)}."
+            f"No winner in {outcome.unjudged} of the {outcome.scenes} {RACES[stem][1]}: "
+            f"{'; '.join(why)}."
         )
     return lines
 
 
 def table(folder: Path = REFERENCE) -> str:
-    races = {
-        stem: race([one for one in read(file, folder) if one.stem == stem])
-        for stem, (file, _) in RACES.items()
-    }
+    races: dict[str, Race] = {}
+    for stem, (file, _) in RACES.items():
+        races[stem] = race([time for time in read(file, folder) if time.stem == stem])
     won = victories(races)
-    stated = ", ".join(f"[{what}](results/reference/{file})" for file, what in RACES.values())
+    stated = ", ".join(f"[{title}](results/reference/{file})" for file, title in RACES.values())
     lines = [
         f"From the kept tables: {stated}.",
         "",

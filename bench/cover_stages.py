@@ -107,9 +107,9 @@ def benchmarks(pairs: list[str]) -> dict[str, float]:
     ]
     out = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     return {
-        one["run_name"]: one["each"]
-        for one in out["benchmarks"]
-        if one["aggregate_name"] == "median"
+        benchmark["run_name"]: benchmark["each"]
+        for benchmark in out["benchmarks"]
+        if benchmark["aggregate_name"] == "median"
     }
 
 
@@ -117,7 +117,7 @@ def table(regimes: dict[str, Regime], floor: dict[str, float], cpu: str, rounds:
     head = ["regime", "A → B", "triangles", *STAGES, "sum", "floor", "sum / floor", "memory / kept"]
     lines = ["| " + " | ".join(head) + " |", "| --- | --- |" + " ---: |" * (len(head) - 2)]
     for name, regime in regimes.items():
-        each = {
+        by_stage = {
             stage: 1e9 * float(np.median(seconds)) / regime.triangles
             for stage, seconds in regime.seconds.items()
         }
@@ -129,7 +129,7 @@ def table(regimes: dict[str, Regime], floor: dict[str, float], cpu: str, rounds:
             name,
             f"{regime.source} → {regime.target}",
             f"{regime.triangles:,}",
-            *(number(x, 3) for x in each.values()),
+            *(number(x, 3) for x in by_stage.values()),
             number(total, 3),
             number(least, 3),
             number(total / least, 2),

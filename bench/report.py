@@ -151,26 +151,29 @@ def table(part: str, rows: list[Row]) -> Table:
 
 
 def verdict(
-    rows: list[Row], what: str, part: str, contender: str, limit: float, at_least: bool
+    rows: list[Row], claim: str, part: str, contender: str, limit: float, at_least: bool
 ) -> str:
     """Returns whether a claim holds on every scene, judged by the less favourable end of each
     interval."""
     ratios = [row.ratio for row in rows if row.part == part and row.contender.startswith(contender)]
     if not ratios:
-        return f"- {what}: not measured"
+        return f"- {claim}: not measured"
     holds = [x.low >= limit if at_least else x.high < limit for x in ratios]
     answer = "holds" if all(holds) else f"holds on {sum(holds)} of {len(holds)} scenes"
-    return f"- {what}: {answer} (ratios {min(x.value for x in ratios):.2f} to {max(x.value for x in ratios):.2f})"
+    values = [x.value for x in ratios]
+    return f"- {claim}: {answer} (ratios {min(values):.2f} to {max(values):.2f})"
 
 
 def report(remarks: list[str], rows: list[Row]) -> str:
+    remark_lines = [f"- {remark}" for remark in remarks]
+    verdicts = [verdict(rows, *claim) for claim in CLAIMS]
     parts = [
         HEAD,
-        *(f"- {remark}" for remark in remarks),
+        *remark_lines,
         "",
         "What is asked of them, judged by the worse ends of the intervals:",
         "",
-        *(verdict(rows, *claim) for claim in CLAIMS),
+        *verdicts,
         "",
     ]
     for part in PARTS:

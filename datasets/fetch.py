@@ -107,11 +107,11 @@ class Catalogue:
     corpus: list[str]  # sorted
     whole: list[str]  # the whole corpus, sorted
 
-    def each(self, asked: Any) -> list[str]:
+    def each(self, named: Any) -> list[str]:
         """Returns the models that the `each` of a scene stands for: a list, or the name of a
         group."""
         groups = {"corpus": self.corpus, "whole_corpus": self.whole}
-        return groups.get(asked, []) if isinstance(asked, str) else list(asked)
+        return groups.get(named, []) if isinstance(named, str) else list(named)
 
 
 def with_rules(names: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -134,27 +134,29 @@ def read_catalogue(manifest: Path) -> Catalogue:
         (dict[str, dict[str, Any]](root.get(models_key, {})), list[str](root.get(manifest_key, [])))
         for models_key, manifest_key in (("model", "manifest"), ("whole", "whole_manifest"))
     )
-    own, shared = {**chosen[0], **rest[0]}, [*chosen[1], *rest[1]]
-    for name in [n for n in own if n in models] + [n for n in shared if n not in models]:
+    defined, shared = {**chosen[0], **rest[0]}, [*chosen[1], *rest[1]]
+    twice = [name for name in defined if name in models]
+    nowhere = [name for name in shared if name not in models]
+    for name in twice + nowhere:
         raise ManifestError(
             f"{file}: {name}: "
             + (
                 "the manifest also has it: list it under 'manifest'"
-                if name in own
+                if name in defined
                 else "'manifest' names it, but the manifest does not have it"
             )
         )
-    whole = sorted([*own, *shared])
+    whole = sorted([*defined, *shared])
     return Catalogue(
-        {**with_rules(whole), **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole
+        {**with_rules(whole), **models, **defined}, names, sorted([*chosen[0], *chosen[1]]), whole
     )
 
 
 def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
     """Returns the [[scene]] tables of a profile."""
-    asked = {**experiment, **experiment.get("profile", {}).get(profile, {})}
+    settings = {**experiment, **experiment.get("profile", {}).get(profile, {})}
     return [
-        scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])
+        scene for scene in settings.get("scene", []) if profile in scene.get("profiles", [profile])
     ]
 
 
@@ -173,9 +175,8 @@ def severity_text(value: object) -> str:
     number = Decimal(repr(float(value))).normalize()
     sign, digits, exponent = number.as_tuple()
     text = "".join(map(str, digits))
-    power = (
-        f"{'-' * sign}{text[0]}{'.' * (len(text) > 1)}{text[1:]}e{int(exponent) + len(text) - 1}"
-    )
+    minus, point = "-" if sign else "", "." if len(text) > 1 else ""
+    power = f"{minus}{text[0]}{point}{text[1:]}e{int(exponent) + len(text) - 1}"
     plain = f"{number:f}"
     return power if len(power) + 2 <= len(plain) else plain
 
@@ -191,7 +192,7 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
         return []
     except OSError as error:
         raise ManifestError(f"{file}: {error.strerror}: name an experiment file") from error
-    found: dict[str, None] = {}
+    named: dict[str, None] = {}
     for scene in scenes_of(experiment, profile):
         severity = scene.get("severity")
         each = (
@@ -201,21 +202,21 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
         )
         sides = [_named(scene.get(key, "")) for key in ("source", "target")]
         names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
-        for one in catalogue.each(each):
-            found.update(dict.fromkeys(name.replace("{}", one) for name in names))
-    own = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}
-    return [name for name in [*found, *own] if name in catalogue.models]
+        for member in catalogue.each(each):
+            named.update(dict.fromkeys(name.replace("{}", member) for name in names))
+    bases = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}
+    return [name for name in [*named, *bases] if name in catalogue.models]
 
 
 def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[str]:
     """Returns the wanted models and all models that they are derived from, each once."""
-    found: dict[str, None] = {}
+    needed: dict[str, None] = {}
     for first in wanted:
         name, trail = first, [first]
         while True:
             if name not in models:
                 raise ManifestError(unknown(name, trail, models))
-            found[name] = None
+            needed[name] = None
             if models[name]["source"] != "derived":
                 break
             name = models[name]["from"]
@@ -224,15 +225,15 @@ def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[st
                     f"model {first} is derived from itself: {' <- '.join(trail + [name])}"
                 )
             trail.append(name)
-    return list(found)
+    return list(needed)
 
 
 def unknown(name: str, trail: list[str], models: Iterable[str]) -> str:
     import difflib
 
     near = difflib.get_close_matches(name, models, 1)
-    asked = f" (which {trail[-2]} is derived from)" if len(trail) > 1 else ""
-    return f"no model {name}{asked} in the manifest" + (
+    derived = f" (which {trail[-2]} is derived from)" if len(trail) > 1 else ""
+    return f"no model {name}{derived} in the manifest" + (
         f"; did you mean {near[0]}?" if near else ""
     )
 
@@ -313,13 +314,13 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[
             except (ValueError, Unavailable) as error:
                 for name in names:
                     seen.setdefault((outer, name), []).append(f"{outer}: {error}")
-    asked = "" if version == first.version else f" (the manifest has version {first.version})"
+    listed = "" if version == first.version else f" (the manifest has version {first.version})"
 
     def lacks(mesh: Mesh) -> str:
-        found = seen.get((mesh.outer(), mesh.inner()), [])
+        reasons = seen.get((mesh.outer(), mesh.inner()), [])
         return (
-            f"model {mesh.name}: package {mesh.package} {version}{asked} has no file {mesh.path} with SHA-256 {mesh.sha256}"
-            + (f": {', '.join(found)}" if found else "")
+            f"model {mesh.name}: package {mesh.package} {version}{listed} has no file {mesh.path} with SHA-256 {mesh.sha256}"
+            + (f": {', '.join(reasons)}" if reasons else "")
         )
 
     return version, {mesh: lacks(mesh) for mesh in meshes if mesh in left}
@@ -363,14 +364,14 @@ def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
 
 
 def fetch(
-    manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, asked: Asked = Asked()
+    manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, request: Asked = Asked()
 ) -> int:
     """Fetches missing meshes of the named models or, if none is named, of the requested ones.
     Returns the exit status."""
     catalogue = read_catalogue(manifest)
     models = catalogue.models
-    wanted = origins(models, names or asked.models(catalogue))
-    for problem in damaged(models, wanted, cache) if asked.check else []:
+    wanted = origins(models, names or request.models(catalogue))
+    for problem in damaged(models, wanted, cache) if request.check else []:
         print(problem, file=sys.stderr, flush=True)
     todo, there = missing(models, wanted, cache)
     if not todo:
@@ -438,8 +439,8 @@ def main(arguments: list[str] | None = None) -> int:
     )
     given = parser.parse_args(arguments)
     try:
-        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)
-        return fetch(given.manifest, given.cache.absolute(), given.models, asked=asked)
+        request = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)
+        return fetch(given.manifest, given.cache.absolute(), given.models, request=request)
     except ManifestError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

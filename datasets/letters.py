@@ -54,9 +54,9 @@ def meet(a: Point, b: Point, c: Point, d: Point) -> bool:
     if any(max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i]) for i in (0, 1)):
         return False
     shared = {a, b} & {c, d}
-    if any(on_segment(p, c, d) for p in (a, b) if p not in shared) or any(
-        on_segment(p, a, b) for p in (c, d) if p not in shared
-    ):
+    if any(on_segment(p, c, d) for p in (a, b) if p not in shared):
+        return True
+    if any(on_segment(p, a, b) for p in (c, d) if p not in shared):
         return True
     if shared:
         return len(shared) == 2
@@ -116,12 +116,13 @@ def sorted_rings(rings: list[Ring]) -> list[Ring]:
     """Returns the outer ring, counter-clockwise, then the holes, clockwise. Raises ValueError for
     other rings, or if they overlap."""
     everything = [edge for ring in rings for edge in edges(ring)]
-    if any(meet(*one, *other) for i, one in enumerate(everything) for other in everything[:i]):
+    if any(
+        meet(*first, *second) for i, first in enumerate(everything) for second in everything[:i]
+    ):
         raise ValueError("its contours overlap")
     outer, *holes = sorted(rings, key=lambda ring: -abs(area(ring)))
-    if not all(inside(hole[0], outer) for hole in holes) or any(
-        inside(a[0], b) for a in holes for b in holes if a is not b
-    ):
+    within = all(inside(hole[0], outer) for hole in holes)
+    if not within or any(inside(a[0], b) for a in holes for b in holes if a is not b):
         raise ValueError("it is not one ring with holes")
     return [
         outer if area(outer) > 0 else outer[::-1],
@@ -142,13 +143,11 @@ def bridged(rings: list[list[int]], at: Ring) -> list[int]:
         pairs = sorted(
             (squared_length(at[i], at[j]), i, j) for i in free for hole in holes for j in hole
         )
-        bridge = next(
-            ((i, j) for _, i, j in pairs if not any(meet(at[i], at[j], *wall) for wall in walls)),
-            None,
-        )
-        if bridge is None:
+        for _, i, j in pairs:
+            if not any(meet(at[i], at[j], *wall) for wall in walls):
+                break
+        else:
             raise ValueError("a hole cannot be joined to its ring")
-        i, j = bridge
         hole = next(hole for hole in holes if j in hole)
         holes.remove(hole)
         walls.append((at[i], at[j]))
@@ -162,9 +161,12 @@ def is_ear(ring: list[int], k: int, at: Ring) -> bool:
     the cut."""
     u, v, w = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
     sides = ((at[u], at[v]), (at[v], at[w]), (at[w], at[u]))
-    return cross(at[u], at[v], at[w]) > 0 and not any(
-        all(cross(a, b, at[p]) >= 0 for a, b in sides) for p in ring if p not in (u, v, w)
-    )
+    if not cross(at[u], at[v], at[w]) > 0:
+        return False
+    for p in ring:
+        if p not in (u, v, w) and all(cross(a, b, at[p]) >= 0 for a, b in sides):
+            return False
+    return True
 
 
 def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
@@ -175,7 +177,7 @@ def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
     degenerate.
     """
     ring = bridged(rings, at)
-    found: list[tuple[int, int, int]] = []
+    triangles: list[tuple[int, int, int]] = []
     while len(ring) > 2:
         ears = [
             (squared_length(at[ring[k - 1]], at[ring[(k + 1) % len(ring)]]), ring[k], k)
@@ -185,9 +187,9 @@ def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
         if not ears:
             raise ValueError("ear clipping found no ear")
         k = min(ears)[2]
-        found.append((ring[k - 1], ring[k], ring[(k + 1) % len(ring)]))
+        triangles.append((ring[k - 1], ring[k], ring[(k + 1) % len(ring)]))
         del ring[k]
-    return found
+    return triangles
 
 
 # ---- the solid
@@ -206,7 +208,8 @@ def extruded(rings: list[Ring], depth: Fraction) -> Solid:
         numbered.append(list(range(begin, begin + len(ring))))
         begin += len(ring)
     cap = triangulate(numbered, at)
-    faces = [(c, b, a) for a, b, c in cap] + [(a + n, b + n, c + n) for a, b, c in cap]
+    faces = [(c, b, a) for a, b, c in cap]
+    faces += [(a + n, b + n, c + n) for a, b, c in cap]
     for indices in numbered:
         for a, b in zip(indices, indices[1:] + indices[:1]):
             faces += [(a, b, b + n), (a, b + n, a + n)]
@@ -222,8 +225,11 @@ def obj_text(mesh: Solid) -> bytes:
     vertices, faces = mesh
     if any(Fraction(float(c)) != c for vertex in vertices for c in vertex):
         raise ValueError("a coordinate is not a double: the units of the em are not a power of two")
-    lines = ["v " + " ".join(repr(float(c)) for c in vertex) + "\n" for vertex in vertices]
-    lines += ["f " + " ".join(str(corner + 1) for corner in face) + "\n" for face in faces]
+    lines = []
+    for vertex in vertices:
+        lines.append("v " + " ".join(repr(float(c)) for c in vertex) + "\n")
+    for face in faces:
+        lines.append("f " + " ".join(str(corner + 1) for corner in face) + "\n")
     return "".join(lines).encode()
 
 
@@ -246,9 +252,11 @@ def letter_solid(font: bytes, letter: str) -> Solid:
     numbers = [
         (Fraction(x, em), Fraction(y, em), bool(flag & 1)) for (x, y), flag in zip(points, flags)
     ]
-    contours = [
-        numbers[begin:end] for begin, end in zip([0, *(e + 1 for e in ends)], (e + 1 for e in ends))
-    ]
+    contours = []
+    begin = 0
+    for last in ends:
+        contours.append(numbers[begin : last + 1])
+        begin = last + 1
     try:
         return solid([flatten(contour, PIECES) for contour in contours], Fraction(height, 4 * em))
     except ValueError as error:

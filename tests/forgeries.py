@@ -59,9 +59,8 @@ def sha256_of(mesh: Mesh) -> str:
 
 def off_text(mesh: Mesh) -> str:
     vertices, triangles = mesh
-    rows = [" ".join(map(repr, v)) for v in vertices] + [
-        "3 " + " ".join(map(str, t)) for t in triangles
-    ]
+    rows = [" ".join(map(repr, v)) for v in vertices]
+    rows += ["3 " + " ".join(map(str, t)) for t in triangles]
     return "\n".join([f"OFF\n{len(vertices)} {len(triangles)} 0", *rows, ""])
 
 
@@ -77,7 +76,7 @@ def unsealed(file: bytes) -> tuple[Header, bytes]:
 
 def pose_numbers(matrix: Any) -> list[float]:
     """The twelve numbers of a pose in a file: the rotation row by row, then the translation."""
-    return [float(x) for x in matrix[:3, :3].ravel()] + [float(x) for x in matrix[:3, 3]]
+    return [float(x) for x in (*matrix[:3, :3].ravel(), *matrix[:3, 3])]
 
 
 @dataclass
@@ -133,9 +132,9 @@ class Forger:
 
     def soup(self, size: float = 1, count: int | None = None) -> Mesh:
         count = count or self.random.randint(1, 5)
-        points = [
-            tuple(self.random.uniform(-size, size) for _ in range(3)) for _ in range(3 * count)
-        ]
+        points: Points = []
+        for _ in range(3 * count):
+            points.append(tuple(self.random.uniform(-size, size) for _ in range(3)))
         return points, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(count)]
 
     def motion(self, reach: float = 3) -> Any:
@@ -197,8 +196,8 @@ def stating(header: Header, upper: float, *, lower: float | None = None) -> Head
     """A header that states this upper bound, and claims that each certificate proves no more."""
     changed = copy.deepcopy(header)
     changed["upper"] = upper
-    for one in changed["certificates"]:
-        one["proven"] = min(one["proven"], upper)
+    for certificate in changed["certificates"]:
+        certificate["proven"] = min(certificate["proven"], upper)
     changed["lower"] = min(header["lower"], upper) if lower is None else lower
     return changed
 
@@ -210,8 +209,8 @@ def stating(header: Header, upper: float, *, lower: float | None = None) -> Head
 def used_at_rest(forger: Forger) -> Forgery:
     """A true proof at a pose, checked at rest, or at another pose."""
     pair = forger.pair(moved=True)
-    other = None if forger.random.random() < 0.7 else forger.motion()
-    return pair.forged(pair.header, pose=other, target_pose=None, at_its_poses=False)
+    pose = None if forger.random.random() < 0.7 else forger.motion()
+    return pair.forged(pair.header, pose=pose, target_pose=None, at_its_poses=False)
 
 
 def pose_changed(forger: Forger) -> Forgery | None:
@@ -263,7 +262,14 @@ def flattened(forger: Forger) -> Forgery | None:
         math.log10(size) + 8, forger.random.choice([20, 20, 100, 300])
     )
     shift = [forger.random.uniform(-1, 1) * far for _ in range(3)]
-    place = [tuple(x + s for x, s in zip(v, shift)) for v in source[0]]
+
+    def shifted(point: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(x + s for x, s in zip(point, shift))
+
+    def exactly_shifted(point: tuple[float, ...]) -> list[Fraction]:
+        return [Fraction(x) + Fraction(s) for x, s in zip(point, shift)]
+
+    place = [shifted(v) for v in source[0]]
     both = forger.random.random() < 0.3
     points: Points = [place[0], place[0], place[0]] if not both else [source[0][0]] * 3
     target: Mesh = (points, [(0, 1, 2)])
@@ -274,9 +280,9 @@ def flattened(forger: Forger) -> Forgery | None:
         )
     matrix = np.eye(4)
     matrix[:3, 3] = shift
-    moved = [tuple(x + s for x, s in zip(v, shift)) for v in target[0]] if both else target[0]
+    moved = [shifted(v) for v in target[0]] if both else target[0]
     claimed = max(math.dist(p, moved[0]) for p in place) * (1 + 1e-12)
-    there = [[Fraction(x) + Fraction(s) for x, s in zip(v, shift)] for v in source[0]]
+    there = [exactly_shifted(v) for v in source[0]]
     to = [Fraction(x) + (Fraction(s) if both else 0) for x, s in zip(target[0][0], shift)]
     true = max(square(p, to) for p in there)
     if true <= (Fraction(claimed) * Fraction(11, 10)) ** 2:
@@ -431,7 +437,10 @@ def scaled(forger: Forger) -> Forgery | None:
     exponent = forger.random.choice([forger.random.randint(-1000, 1000), 1023, 1022, -1020, -1074])
 
     def times(mesh: Mesh) -> Mesh:
-        return [tuple(math.ldexp(x, exponent) for x in v) for v in mesh[0]], mesh[1]
+        points: Points = []
+        for v in mesh[0]:
+            points.append(tuple(math.ldexp(x, exponent) for x in v))
+        return points, mesh[1]
 
     source, target = times(pair.source), times(pair.target)
     part = 1 - 10 ** forger.random.uniform(-9, 0)
@@ -442,12 +451,14 @@ def scaled(forger: Forger) -> Forgery | None:
         "source_element": -1,
         "target_element": -1,
     }
-    for one in header["certificates"]:
-        one["proven"] = header["upper"]
+    for certificate in header["certificates"]:
+        certificate["proven"] = header["upper"]
     how = forger.random.choice(["claimed", "stated", "negative", "lower"])
     if how != "claimed":
-        for one, old in zip(header["certificates"], pair.header["certificates"]):
-            one["proven"] = math.ldexp(old["proven"], exponent) if exponent < 1020 else 1.7e308
+        for certificate, old in zip(header["certificates"], pair.header["certificates"]):
+            certificate["proven"] = (
+                math.ldexp(old["proven"], exponent) if exponent < 1020 else 1.7e308
+            )
     if how == "negative":
         header["upper"] = -abs(header["upper"]) - 5e-324
     elif how == "lower":
@@ -460,8 +471,8 @@ def scaled(forger: Forger) -> Forgery | None:
 
 
 KINDS: dict[str, Callable[[Forger], Forgery | None]] = {
-    one.__name__: one
-    for one in (
+    forge.__name__: forge
+    for forge in (
         used_at_rest,
         pose_changed,
         flattened,
@@ -591,9 +602,9 @@ def forgeries(kind: str, count: int, seed: int, folder: Path) -> Iterator[Forger
     while made < count:
         tried += 1
         assert tried < 20 * count + 100, f"{kind}: hardly ever makes a forgery"
-        if (one := KINDS[kind](forger)) is not None:
+        if (forgery := KINDS[kind](forger)) is not None:
             made += 1
-            yield one
+            yield forgery
 
 
 def main() -> int:
@@ -614,14 +625,14 @@ def main() -> int:
         folder = Path(place)
         for kind in options.kind or KINDS:
             accepted = 0
-            for i, one in enumerate(forgeries(kind, options.count, options.seed, folder)):
+            for i, forgery in enumerate(forgeries(kind, options.count, options.seed, folder)):
                 if who := accepted_by(
-                    one, folder, c, options.program if i % options.each == 0 else None
+                    forgery, folder, c, options.program if i % options.each == 0 else None
                 ):
                     accepted += 1
                     if accepted <= 3:
                         print(
-                            f"{kind} {i}: accepted by {' and '.join(who)}: {json.dumps(one.header)[:600]}",
+                            f"{kind} {i}: accepted by {' and '.join(who)}: {json.dumps(forgery.header)[:600]}",
                             file=sys.stderr,
                         )
             print(f"{kind}: {options.count} forged, {accepted} accepted", flush=True)

@@ -56,7 +56,7 @@ class BadEntry(Exception):
 
 def switches(root: Path) -> dict[str, tuple[str, ...]]:
     """Returns the files of each switch in the sources, by name."""
-    found: dict[str, set[str]] = {}
+    files_of: dict[str, set[str]] = {}
     listed = subprocess.run(
         [
             "git",
@@ -76,13 +76,13 @@ def switches(root: Path) -> dict[str, tuple[str, ...]]:
     for file in listed.split("\n"):
         if file and not file.endswith("kernel/watched.h") and (root / file).is_file():
             for name in SWITCH.findall((root / file).read_text()):
-                found.setdefault(name.replace('\\"', '"'), set()).add(file)
-    return {name: tuple(sorted(files)) for name, files in found.items()}
+                files_of.setdefault(name.replace('\\"', '"'), set()).add(file)
+    return {name: tuple(sorted(files)) for name, files in files_of.items()}
 
 
 def read(root: Path) -> list[Mutant]:
     """Returns the entries. Raises BadEntry if one is wrong, or if a switch has no entry."""
-    known = switches(root)
+    files_of = switches(root)
     tests = re.findall(
         r"^hausbench_test\((?:\w+/)*(\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M
     )
@@ -94,12 +94,12 @@ def read(root: Path) -> list[Mutant]:
             wrong.append(f"{name}: unknown key {sorted(unknown)[0]}")
         elif missing := {"name", "test"} - set(entry):
             wrong.append(f"{name}: {sorted(missing)[0]} is missing")
-        elif any(name == other.name for other in mutants):
+        elif any(name == earlier.name for earlier in mutants):
             wrong.append(f"{name}: two entries have this name")
-        elif name not in known:
+        elif name not in files_of:
             wrong.append(f"{name}: no source has a switch of this name")
         else:
-            mutant = Mutant(**entry, files=known[name])
+            mutant = Mutant(**entry, files=files_of[name])
             mutants.append(mutant)
             if not (
                 (root / mutant.test.split()[1].split("::")[0]).is_file()
@@ -107,9 +107,10 @@ def read(root: Path) -> list[Mutant]:
                 else mutant.test in tests
             ):
                 wrong.append(f"{name}: there is no test {mutant.test}")
+    listed = {mutant.name for mutant in mutants}
     wrong += [
-        f"{name}: has a switch in {known[name][0]}, but no entry"
-        for name in sorted(set(known) - {mutant.name for mutant in mutants})
+        f"{name}: has a switch in {files_of[name][0]}, but no entry"
+        for name in sorted(set(files_of) - listed)
     ]
     if wrong:
         raise BadEntry("\n".join(f"{LIST}: {line}" for line in wrong))
@@ -212,13 +213,14 @@ def seconds_without(tests: Tests, mutants: list[Mutant]) -> dict[Test, float]:
         begin = time.monotonic()
         verdict, output = tests.run(mutant, False, TEST_SECONDS)
         if verdict != "green":
-            what = (
+            fault = (
                 "fails without a switch"
                 if verdict == "red"
                 else "runs no test; is its filter right?"
             )
             raise BadEntry(
-                f"{LIST}: {mutant.name}: {mutant.test} {mutant.filter} {what}\n{last_lines(output)}"
+                f"{LIST}: {mutant.name}: {mutant.test} {mutant.filter} {fault}\n"
+                + last_lines(output)
             )
         return time.monotonic() - begin
 

@@ -81,20 +81,21 @@ def sources() -> list[Path]:
 
 def includes(files: list[Path]) -> dict[Path, set[Path]]:
     """Returns the project files that each file includes, resolved from the root."""
-    known = set(files)
-    return {
-        file: {ROOT / name for name in INCLUDE.findall(file.read_text())} & known for file in files
-    }
+    project = set(files)
+    graph = {}
+    for file in files:
+        graph[file] = {ROOT / name for name in INCLUDE.findall(file.read_text())} & project
+    return graph
 
 
 def between_rooms(graph: dict[Path, set[Path]]) -> dict[tuple[str, str], list[str]]:
     """Returns the includes between rooms, by (including room, included room)."""
     arrows: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for file, others in graph.items():
-        for other in others:
-            if room_of(file) != room_of(other):
-                arrows[room_of(file), room_of(other)].append(
-                    f"{file.relative_to(ROOT)} includes {other.relative_to(ROOT)}"
+    for file, included in graph.items():
+        for header in included:
+            if room_of(file) != room_of(header):
+                arrows[room_of(file), room_of(header)].append(
+                    f"{file.relative_to(ROOT)} includes {header.relative_to(ROOT)}"
                 )
     return arrows
 
@@ -119,13 +120,13 @@ def circle(graph: dict[Path, set[Path]]) -> list[Path]:
             return way[way.index(file) :]
         if file in done:
             return []
-        for other in sorted(graph[file]):
-            if found := look(other, [*way, file]):
-                return found
+        for header in sorted(graph[file]):
+            if cycle := look(header, [*way, file]):
+                return cycle
         done.add(file)
         return []
 
-    return next((found for file in sorted(graph) if (found := look(file, []))), [])
+    return next((cycle for file in sorted(graph) if (cycle := look(file, []))), [])
 
 
 WIDTH, HEIGHT, GAP, LEFT, TOP = 640, 34, 22, 190, 14
@@ -174,9 +175,10 @@ def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
     for rooms in STAIRCASE:
         for room in rooms:
             x, y, width = place_of(room)
-            name, what = WHAT[room].split(": ")
+            name, purpose = WHAT[room].split(": ")
             text = (
-                f'<tspan font-weight="bold">{name}</tspan>' + f' <tspan fill="#444">{what}</tspan>'
+                f'<tspan font-weight="bold">{name}</tspan>'
+                + f' <tspan fill="#444">{purpose}</tspan>'
             )
             lines.append(
                 f'<rect x="{x}" y="{y}" width="{width}" height="{HEIGHT}" rx="4" fill="#eef3f8" stroke="#5b7a99"/>'

@@ -25,16 +25,13 @@ def test_no_file_includes_itself() -> None:
 def test_a_step_up_and_a_circle_are_found() -> None:
     record, run = rooms.ROOT / "harness/record/case.h", rooms.ROOT / "harness/run/runner.h"
     assert rooms.circle({record: {run}, run: {record}}) == [record, run]
-    found = rooms.steps_up(rooms.between_rooms({record: {run}, run: set()}))
-    assert found == ["harness/record/case.h includes harness/run/runner.h"]
+    lines = rooms.steps_up(rooms.between_rooms({record: {run}, run: set()}))
+    assert lines == ["harness/record/case.h includes harness/run/runner.h"]
 
 
 def test_every_room_is_on_the_staircase() -> None:
-    assert (
-        {rooms.room_of(file) for file in GRAPH}
-        == set(rooms.WHAT)
-        == {room for step in rooms.STAIRCASE for room in step}
-    )
+    on_staircase = {room for step in rooms.STAIRCASE for room in step}
+    assert {rooms.room_of(file) for file in GRAPH} == set(rooms.WHAT) == on_staircase
 
 
 def test_the_picture_shows_the_rooms_of_today() -> None:
@@ -58,21 +55,21 @@ def users(shared: Path) -> set[str]:
     """Returns the direct and indirect users of a shared file: solvers, each a folder or a file, and
     the rooms above them."""
     asked_by: dict[Path, set[Path]] = {}
-    for file, others in GRAPH.items():
-        for other in others:
-            asked_by.setdefault(other, set()).add(file)
-    found, look = set(), [shared]
+    for file, included in GRAPH.items():
+        for header in included:
+            asked_by.setdefault(header, set()).add(file)
+    names, look = set(), [shared]
     while look:
         for file in asked_by.pop(look.pop(), set()):
             look.append(declared_in(file))
             room = rooms.room_of(file)
             if room in ("solvers", "composed"):
-                found.add(
+                names.add(
                     "/".join(file.relative_to(rooms.ROOT / "algorithms").with_suffix("").parts[:2])
                 )
             elif room not in SHARED:
-                found.add(room)
-    return found
+                names.add(room)
+    return names
 
 
 @pytest.mark.parametrize(
@@ -96,15 +93,15 @@ FIXED_WIDTH = re.compile(
 def without_cstdint(graph: dict[Path, set[Path]]) -> list[str]:
     """Returns the files with std::int64_t and its like to which neither they nor headers of ours
     include <cstdint>: GCC 12 lets more of them pass than 14."""
-    has, found = {file for file in graph if "#include <cstdint>" in file.read_text()}, []
+    has, lacking = {file for file in graph if "#include <cstdint>" in file.read_text()}, []
     for file in graph:
         seen, look = set[Path](), [file]
         while look and not seen & has:
             seen.add(now := look.pop())
             look += graph.get(now, set()) - seen
         if not seen & has and FIXED_WIDTH.search(file.read_text()):
-            found.append(str(file.relative_to(rooms.ROOT)))
-    return found
+            lacking.append(str(file.relative_to(rooms.ROOT)))
+    return lacking
 
 
 def test_files_that_name_fixed_width_integers_include_them() -> None:
@@ -128,13 +125,13 @@ SYSTEM = re.compile(
 
 
 def test_the_library_needs_linux_in_few_files() -> None:
-    own = [
+    library = [
         file
         for file in GRAPH
         if rooms.room_of(file) not in PROGRAM or file.parent.name == "formats"
     ]
     assert {
-        str(file.relative_to(rooms.ROOT)) for file in own if SYSTEM.search(file.read_text())
+        str(file.relative_to(rooms.ROOT)) for file in library if SYSTEM.search(file.read_text())
     } == OF_LINUX
     page = (rooms.ROOT / "docs/platforms.md").read_text()
     assert [file for file in OF_LINUX if f"`{file}`" not in page] == []
@@ -177,7 +174,7 @@ def test_functions_are_short() -> None:
 def classes_in(text: str) -> list[str]:
     """Returns the classes that a source file defines, with their namespaces. Skips unnamed
     namespaces, because they are private to the file."""
-    found, spaces = list[str](), list[str]()
+    classes, spaces = list[str](), list[str]()
     for line in text.splitlines():
         if opened := re.match(r"(?:inline )?namespace ?([\w:]*) ?\{", line):
             spaces.append(opened[1])
@@ -189,8 +186,8 @@ def classes_in(text: str) -> list[str]:
                 line,
             )
         ) and "" not in spaces:
-            found.append("::".join([*spaces, defined[1]]))
-    return found
+            classes.append("::".join([*spaces, defined[1]]))
+    return classes
 
 
 def test_no_two_files_define_one_class() -> None:
@@ -211,10 +208,12 @@ def test_no_two_files_define_one_class() -> None:
     ).stdout.split():
         if name.startswith(separate) or (name.startswith("tests/") and name.endswith(".cpp")):
             continue
-        for one in classes_in((rooms.ROOT / name).read_text()):
-            defined.setdefault(one, set()).add(name)
+        for class_name in classes_in((rooms.ROOT / name).read_text()):
+            defined.setdefault(class_name, set()).add(name)
     assert len(defined) > 300
-    assert {one: sorted(files) for one, files in defined.items() if len(files) > 1} == {}
+    assert {
+        class_name: sorted(files) for class_name, files in defined.items() if len(files) > 1
+    } == {}
 
 
 def test_classes_are_found_with_their_namespaces() -> None:

@@ -62,15 +62,15 @@ def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
 def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
     """Returns the comments that start with a mark, with their line numbers. A mark inside a string
     or a URL does not count."""
-    found = []
+    comments = []
     for number, line in enumerate(text.splitlines(), 1):
         hit = re.search(
             rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)",
             re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line),
         )
         if hit:
-            found.append((number, line[hit.start(1) :]))
-    return found
+            comments.append((number, line[hit.start(1) :]))
+    return comments
 
 
 QUOTED = re.compile(r'"((?:\\.|[^"\\])*)"')
@@ -83,60 +83,60 @@ def is_message(text: str) -> bool:
 def messages_of_cpp(text: str) -> list[tuple[int, str]]:
     """Returns the quoted texts of each line without comments that look like sentences. A text that
     goes on in the next line is one."""
-    found = []
+    messages = []
     for number, line in enumerate(text.splitlines(), 1):
         quoted = " ".join(QUOTED.findall(re.sub(r"(?:^|\s)//.*", "", line)))
         if is_message(quoted):
-            found.append((number, quoted))
-    return found
+            messages.append((number, quoted))
+    return messages
 
 
 def messages_of_python(text: str) -> list[tuple[int, str]]:
-    found = []
+    messages = []
     middle = getattr(tokenize, "FSTRING_MIDDLE", None)  # from Python 3.12
     before = tokenize.NEWLINE
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         docstring = before in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
         if token.type == middle or (token.type == tokenize.STRING and not docstring):
-            found += [
+            messages += [
                 (token.start[0] + i, line.strip("fr\"' "))
                 for i, line in enumerate(token.string.splitlines())
                 if is_message(line)
             ]
         if token.type not in (tokenize.NL, tokenize.COMMENT):
             before = token.type
-    return found
+    return messages
 
 
 def of_python(text: str) -> list[tuple[int, str]]:
-    found = []
+    comments = []
     before = tokenize.NEWLINE
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
-            found.append((token.start[0], token.string.lstrip("#! ")))
+            comments.append((token.start[0], token.string.lstrip("#! ")))
         elif token.type == tokenize.STRING and before in (
             tokenize.NEWLINE,
             tokenize.INDENT,
             tokenize.DEDENT,
         ):
-            found += [
+            comments += [
                 (token.start[0] + i, line.strip('" '))
                 for i, line in enumerate(token.string.splitlines())
             ]
         if token.type not in (tokenize.NL, tokenize.COMMENT):
             before = token.type
-    return found
+    return comments
 
 
 def of_document(text: str) -> list[tuple[int, str]]:
     """Returns the prose of a Markdown page, without code."""
-    found, code = [], False
+    numbered, code = [], False
     for number, line in enumerate(text.splitlines(), 1):
         code ^= line.lstrip().startswith("```")
-        found.append(
+        numbered.append(
             (number, "" if code or line.lstrip().startswith("```") else line.strip("#|>-* "))
         )
-    return found
+    return numbered
 
 
 def prose(path: Path) -> list[Paragraph]:
@@ -179,7 +179,7 @@ def main() -> None:
     parser.add_argument("--places", action="store_true", help="list every place")
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH")
     arguments = parser.parse_args()
-    found: dict[str, list[str]] = {habit.name: [] for habit in HABITS}
+    places: dict[str, list[str]] = {habit.name: [] for habit in HABITS}
     words = 0
     for path in files([path.resolve() for path in arguments.paths] or [ROOT]):
         for paragraph in prose(path):
@@ -187,15 +187,17 @@ def main() -> None:
             for habit in HABITS:
                 for hit in habit.pattern.finditer(paragraph.text):
                     around = paragraph.text[max(0, hit.start() - 30) : hit.end() + 50]
-                    found[habit.name].append(f"{path.relative_to(ROOT)}:{paragraph.line}: {around}")
+                    places[habit.name].append(
+                        f"{path.relative_to(ROOT)}:{paragraph.line}: {around}"
+                    )
     print(f"{'habit':<34} {'count':>6} {'per 1,000':>10} {'goal':>6}   ({words:,} words)")
     for habit in HABITS:
         goal = "" if habit.goal is None else f"{habit.goal:.2f}"
         print(
-            f"{habit.name:<34} {len(found[habit.name]):>6} {1000 * len(found[habit.name]) / max(words, 1):>10.2f} {goal:>6}"
+            f"{habit.name:<34} {len(places[habit.name]):>6} {1000 * len(places[habit.name]) / max(words, 1):>10.2f} {goal:>6}"
         )
         if arguments.places:
-            print(*(f"    {place}" for place in found[habit.name]), sep="\n")
+            print(*(f"    {place}" for place in places[habit.name]), sep="\n")
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
     """Returns status and reason of each scene that no solver could run, because its mesh could not
     be read or derived."""
     cases = results.cases
-    found: dict[str, tuple[str, str]] = {}
+    lost: dict[str, tuple[str, str]] = {}
     for scene in results.scenes:
         rows = results.rows(scene=scene)
         if all(
@@ -61,8 +61,8 @@ def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
             and cases.source_elements[row] * cases.target_elements[row] == 0
             for row in rows
         ):
-            found[scene] = (cases.status[rows[0]], cases.reason[rows[0]])
-    return found
+            lost[scene] = (cases.status[rows[0]], cases.reason[rows[0]])
+    return lost
 
 
 def sound(results: Results) -> Verdict:
@@ -100,7 +100,7 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
     for scene, (status, reason) in lost.items():
         meshes.setdefault(f"{status}: {shown_reason(reason)}", []).append(scene)
     lines = []
-    for why, scenes in sorted(meshes.items(), key=lambda one: -len(one[1])):
+    for why, scenes in sorted(meshes.items(), key=lambda entry: -len(entry[1])):
         lines.append(f"Not measured, {why} ({named(scenes)}).")
     single: dict[tuple[str, str, str], list[str]] = {}
     for row in range(len(cases)):
@@ -113,7 +113,9 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
             single.setdefault(kind, []).append(cases.scene[row])
     lines += [
         f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({named(scenes)})."
-        for (solver, status, reason), scenes in sorted(single.items(), key=lambda one: -len(one[1]))
+        for (solver, status, reason), scenes in sorted(
+            single.items(), key=lambda entry: -len(entry[1])
+        )
     ]
     return lines
 
@@ -139,14 +141,13 @@ def make(results: Results) -> Report:
     cases, lost = results.cases, unmeasured(results)
     measured = [scene for scene in results.scenes if scene not in lost]
     labels = style.order(zip(cases.solver, cases.label))
-    times = {
-        label: [
+    times: dict[str, list[float]] = {}
+    for _, label in labels:
+        times[label] = [
             seconds(results, row)
             for scene in measured
             for row in results.rows(scene=scene, label=label)
         ]
-        for _, label in labels
-    }
     statuses = sorted(
         {cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost}
         - {ANSWERS, *NEVER_RAN}
@@ -166,17 +167,19 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for solver, label in labels:
         rows = [row for scene in measured for row in results.rows(scene=scene, label=label)]
-        counts, known = Counter(cases.status[row] for row in rows), np.array(
-            [x for x in times[label] if np.isfinite(x)]
+        counts = Counter(cases.status[row] for row in rows)
+        finite_times = np.array([x for x in times[label] if np.isfinite(x)])
+        middle, slowest = (
+            median(finite_times),
+            1e3 * float(finite_times.max()) if len(finite_times) else math.nan,
         )
-        middle, slowest = median(known), 1e3 * float(known.max()) if len(known) else math.nan
         table.rows.append(
             [
                 style.title(solver, label),
                 f"{counts[ANSWERS]} of {len(rows)}",
                 *[str(counts[status]) for status in statuses],
                 numerals.estimate(middle, 1e3),
-                quantile(known, 0.9),
+                quantile(finite_times, 0.9),
                 numerals.number(slowest),
             ]
         )
@@ -218,11 +221,11 @@ def draw(labels: list[tuple[str, str]], times: dict[str, list[float]], meshes: i
     further left answers sooner."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     for solver, label in labels:
-        known = np.sort([x for x in times[label] if np.isfinite(x)])
+        finite_times = np.sort([x for x in times[label] if np.isfinite(x)])
         looks = style.look(solver, label)
         ax.step(
-            1e3 * known,
-            100 * np.arange(1, len(known) + 1) / max(1, meshes),
+            1e3 * finite_times,
+            100 * np.arange(1, len(finite_times) + 1) / max(1, meshes),
             where="post",
             color=looks.colour,
             linestyle=looks.line,

@@ -41,10 +41,10 @@ Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
 def ratio(pair: Pair) -> Estimate:
     """Returns time of CGAL / time of the solver. If CGAL timed out, its limit is used, which gives
     a lower bound."""
-    peer, own = pair
+    peer, solver = pair
     if peer.failures and comparable(pair):
-        return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
-    return compare(peer, own)
+        return ratio_of_medians([limit_of(peer)] * len(solver.times), list(solver.times.values()))
+    return compare(peer, solver)
 
 
 def identical(results: Results, scene: str) -> bool:
@@ -63,8 +63,8 @@ def comparable(pair: Pair) -> bool:
 
     Other failures of CGAL say nothing about its time.
     """
-    peer, own = pair
-    return not own.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
+    peer, solver = pair
+    return not solver.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
 
 
 def apart_of(pair: Pair) -> str:
@@ -74,11 +74,11 @@ def apart_of(pair: Pair) -> str:
 def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
     """Returns the times of CGAL and of the solver in each round that has both. If CGAL timed out,
     its time is the limit."""
-    peer, own = pair
+    peer, solver = pair
     stopped = bool(peer.failures)
     return {
         number: (limit_of(peer) if stopped else peer.times[number], seconds)
-        for number, seconds in own.times.items()
+        for number, seconds in solver.times.items()
         if stopped or number in peer.times
     }
 
@@ -91,11 +91,11 @@ def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
     """
     times = [times_by_round(pair) for pair in pairs]
     rounds = set[int]().union(*times).intersection(*times)
-    means = {number: scipy.stats.gmean([of[number] for of in times], axis=0) for number in rounds}
-    return ratio_by_round(
-        {number: float(mean[0]) for number, mean in means.items()},
-        {number: float(mean[1]) for number, mean in means.items()},
-    )
+    peer_means, solver_means = dict[int, float](), dict[int, float]()
+    for number in rounds:
+        peer_mean, solver_mean = scipy.stats.gmean([of[number] for of in times], axis=0)
+        peer_means[number], solver_means[number] = float(peer_mean), float(solver_mean)
+    return ratio_by_round(peer_means, solver_means)
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
@@ -134,7 +134,7 @@ def judge_mean(claim: Claim, aim: float, pairs: Sequence[Pair]) -> Verdict:
     mean = mean_ratio(answered)
     scaled = replace(mean, value=mean.value / aim, low=mean.low / aim, high=mean.high / aim)
     verdict = above_one(claim, scaled)
-    lost = sum(not peer.failures for peer, own in pairs if own.failures)
+    lost = sum(not peer.failures for peer, solver in pairs if solver.failures)
     if mean.n:
         too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
         verdict = replace(
@@ -178,11 +178,10 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
         if not comparable(pair):
             return apart(pair[0].origins | pair[1].origins) or NO_DATA
         times = times_by_round(pair)
-        found = ratio_by_round(
-            {number: theirs / aim for number, (theirs, _) in times.items()},
-            {number: ours for number, (_, ours) in times.items()},
-        )
-        return NO_DATA if pair[0].failures and not found.low > 1 else found
+        peer_over_aim = {number: peer / aim for number, (peer, _) in times.items()}
+        solver_seconds = {number: seconds for number, (_, seconds) in times.items()}
+        estimate = ratio_by_round(peer_over_aim, solver_seconds)
+        return NO_DATA if pair[0].failures and not estimate.low > 1 else estimate
 
     ratios = [over_aim(pair) for pair in pairs]
     verdict = everywhere(
@@ -191,10 +190,10 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
         ),
         ratios,
     )
-    known = [aim * x.value for x in ratios if x.n]
+    speedups = [aim * x.value for x in ratios if x.n]
     spread = (
-        f"{numerals.number(min(known))} to {numerals.number(max(known))} times; over {aim}: "
-        if known
+        f"{numerals.number(min(speedups))} to {numerals.number(max(speedups))} times; over {aim}: "
+        if speedups
         else ""
     )
     few, _, rest = (
@@ -202,18 +201,18 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
         if verdict.outcome == NOT_JUDGED
         else ("", "", verdict.evidence)
     )
-    return replace(verdict, evidence=f"{few}; " * bool(few) + spread + rest)
+    return replace(verdict, evidence=(f"{few}; " if few else "") + spread + rest)
 
 
 def against(
-    label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]
+    label: str, rival: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]
 ) -> list[str]:
-    """Returns a note on the geometric mean of time of `other` / time of `label`; empty if no pair
+    """Returns a note on the geometric mean of time of `rival` / time of `label`; empty if no pair
     has both."""
     both = [
-        (cells[scene, other], cells[scene, label])
+        (cells[scene, rival], cells[scene, label])
         for scene in scenes
-        if {(scene, other), (scene, label)} <= cells.keys()
+        if {(scene, rival), (scene, label)} <= cells.keys()
     ]
     answered = [
         pair
@@ -223,7 +222,7 @@ def against(
     if not answered:
         return []
     return [
-        f"{style.title(other)} takes {numerals.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
+        f"{style.title(rival)} takes {numerals.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
         f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."
     ]
 
@@ -231,16 +230,16 @@ def against(
 def pairs_with_cgal(results: Results, grid: Grid) -> dict[str, dict[str, Pair]]:
     """Returns the cells of CGAL and of each solver, by label and scene. Leaves out scenes in which
     A and B are the same mesh."""
-    return {
-        label: {
-            scene: (grid.cells[scene, PEER], grid.cells[scene, label])
-            for scene in grid.scenes
-            if not identical(results, scene)
-            and {(scene, PEER), (scene, label)} <= grid.cells.keys()
-        }
-        for _, label in grid.labels
-        if label != PEER
-    }
+    pairs = {}
+    for _, label in grid.labels:
+        if label != PEER:
+            pairs[label] = {
+                scene: (grid.cells[scene, PEER], grid.cells[scene, label])
+                for scene in grid.scenes
+                if not identical(results, scene)
+                and {(scene, PEER), (scene, label)} <= grid.cells.keys()
+            }
+    return pairs
 
 
 def means(
@@ -250,20 +249,13 @@ def means(
 ) -> list[str]:
     """Returns the geometric mean of each label over the pairs that it answered, or over the scenes
     `among`; empty for one without pairs."""
-    known = {
-        label: {scene: pair for scene, pair in of.items() if comparable(pair)}
-        for label, of in pairs.items()
-    }
-    return [
-        numerals.estimate(
-            mean_ratio(
-                [pair for scene, pair in known[label].items() if among is None or scene in among]
-            )
-        )
-        if known.get(label)
-        else ""
-        for _, label in labels
-    ]
+    texts = []
+    for _, label in labels:
+        by_scene = pairs.get(label, {})
+        answered = {scene: pair for scene, pair in by_scene.items() if comparable(pair)}
+        chosen = [pair for scene, pair in answered.items() if among is None or scene in among]
+        texts.append(numerals.estimate(mean_ratio(chosen)) if answered else "")
+    return texts
 
 
 def records_of(results: Results, grid: Grid, tolerance: float) -> list[tables.Record]:
@@ -308,12 +300,13 @@ def make(results: Results) -> Report:
         left=4,
     )
     for scene in scenes:
-        row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
+        row, row_cells, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [
-            ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own
+            ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA
+            for cell in row_cells
         ]
         h = numerals.value(
-            *proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row])
+            *proven([cell for cell in row_cells if cell]), over=float(cases.source_diagonal[row])
         )
         table.rules.add(len(table.rows))
         table.rows.append([scene, results.sizes(row, " → "), h, "ms", *grid.texts(scene, 1000)])
@@ -335,7 +328,7 @@ def make(results: Results) -> Report:
                 "MiB",
                 *[
                     numerals.number(cell.peak / 2**20) if cell else numerals.NOTHING
-                    for cell in own
+                    for cell in row_cells
                 ],
             ]
         )
@@ -343,14 +336,14 @@ def make(results: Results) -> Report:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
     records = records_of(results, grid, tolerance)
     pairs = pairs_with_cgal(results, grid)
-    answered = {
-        label: [scene for scene, pair in known.items() if comparable(pair)]
-        for label, known in pairs.items()
-    }
-    shared = [scene for scene in scenes if all(scene in known for known in answered.values())]
+    answered = {}
+    for label, by_scene in pairs.items():
+        answered[label] = [scene for scene, pair in by_scene.items() if comparable(pair)]
+    common = set(scenes).intersection(*answered.values())
+    shared = [scene for scene in scenes if scene in common]
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", "", "times", *means(pairs, labels)])
-    if shared and any(len(known) > len(shared) for known in answered.values()):
+    if shared and any(len(its_scenes) > len(shared) for its_scenes in answered.values()):
         table.rows.append(
             [
                 f"over the {len(shared)} pairs that all answered",
@@ -360,14 +353,14 @@ def make(results: Results) -> Report:
                 *means(pairs, labels, shared),
             ]
         )
-    table.verdicts = [
-        *[judge(label, list(pairs[label].values())) for label in AIMS if label in pairs],
-        *[judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs],
+    table.verdicts = [judge(label, list(pairs[label].values())) for label in AIMS if label in pairs]
+    table.verdicts += [
+        judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs
     ]
     for small in finer:
-        own_grid = Grid(results, tolerance=small)
-        records += records_of(results, own_grid, small)
-        tighter = pairs_with_cgal(results, own_grid)
+        finer_grid = Grid(results, tolerance=small)
+        records += records_of(results, finer_grid, small)
+        tighter = pairs_with_cgal(results, finer_grid)
         table.rows.append(
             [
                 f"geometric mean at {numerals.number(small)}",
@@ -382,14 +375,15 @@ def make(results: Results) -> Report:
             for label in FINER
             if label in tighter
         ]
-    counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
+    counted = ", ".join(
+        f"{style.title(label)} {len(its_scenes)}" for label, its_scenes in answered.items()
+    )
+    distinct = [scene for scene in scenes if not identical(results, scene)]
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
         f"{numerals.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
         "certain the mean of these pairs is, not what other pairs would give.",
-        *against(
-            "cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]
-        ),
+        *against("cover", "sacht", cells, distinct),
         tables.coverage_note(cell.time for cell in cells.values()),
         f"{machine_line(results, results.rows(tolerance=tolerance))}.",
     ]
@@ -409,10 +403,10 @@ def make(results: Results) -> Report:
 def proven(cells: Sequence[Cell]) -> tuple[float, float]:
     """Returns the largest lower and the least upper bound that is proven of the pair; NaN if there
     is none."""
-    known = [cell.interval for cell in cells if not math.isnan(cell.interval[0])]
-    return max((low for low, _ in known), default=math.nan), min(
-        (high for _, high in known), default=math.nan
-    )
+    intervals = [cell.interval for cell in cells if not math.isnan(cell.interval[0])]
+    lower = max((low for low, _ in intervals), default=math.nan)
+    upper = min((high for _, high in intervals), default=math.nan)
+    return lower, upper
 
 
 def draw(grid: Grid) -> Any:
@@ -452,9 +446,9 @@ def draw(grid: Grid) -> Any:
                     fontsize=6,
                     color="#333333",
                 )
-    known = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
+    seconds = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
     ax.set_xscale("log")
-    ax.set_xlim(min(known) / 2, max(known) * 2)
+    ax.set_xlim(min(seconds) / 2, max(seconds) * 2)
     ax.set_ylim(len(scenes) - 0.5, -0.5)
     ax.set_yticks(range(len(scenes)), scenes)
     ax.grid(False, axis="y")

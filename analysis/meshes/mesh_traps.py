@@ -41,22 +41,22 @@ def outcome(results: Results, row: int) -> str:
     slack = SLACK * float(cases.source_diagonal[row])
     if not lower <= upper or exact < lower - slack or exact > upper + slack:
         return WRONG
-    asked = cases.tolerance_absolute[row]
+    tolerance = cases.tolerance_absolute[row]
     if status != "ok":
         return STOPPED
-    return CONVERGED if upper - lower <= asked or not cases.certified[row] else WRONG
+    return CONVERGED if upper - lower <= tolerance or not cases.certified[row] else WRONG
 
 
 def ends(results: Results, row: int) -> str:
     """Returns the text of a cell: the outcome, or for a row that stopped or has no bounds, its
     status in words."""
-    found, status = outcome(results, row), results.cases.status[row]
+    ending, status = outcome(results, row), results.cases.status[row]
     word = style.status_word(status)
     return (
-        found
-        if found in (CONVERGED, WRONG)
+        ending
+        if ending in (CONVERGED, WRONG)
         else f"{word}, bounds hold"
-        if found == STOPPED
+        if ending == STOPPED
         else word
     )
 
@@ -73,10 +73,10 @@ def make(results: Results) -> Report:
     scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
     rows = {
-        (scene, label): int(found[0])
+        (scene, label): int(scene_rows[0])
         for scene in scenes
         for _, label in labels
-        if (found := results.rows(scene=scene, label=label))
+        if (scene_rows := results.rows(scene=scene, label=label))
     }
     table = tables.Table(
         "How each solver ends on pairs of meshes that are traps: converged to "
@@ -148,16 +148,16 @@ def distance(results: Results, row: int) -> str:
 def mark(results: Results, row: int) -> tuple[Outcome, str]:
     """Returns the colour of a cell, as an Outcome of the stability suite, and the letter to draw in
     it."""
-    found, status = outcome(results, row), str(results.cases.status[row])
-    if found == CONVERGED:
+    ending, status = outcome(results, row), str(results.cases.status[row])
+    if ending == CONVERGED:
         return Outcome.TIGHT, ""
-    if found == STOPPED:
+    if ending == STOPPED:
         return (
             (Outcome.STOPPED, STOPS[status][0])
             if status in STOPS
             else (Outcome.LOOSE, Outcome.LOOSE.letter)
         )
-    if found == WRONG:
+    if ending == WRONG:
         return Outcome.WRONG, Outcome.WRONG.letter
     kind = {
         "timeout": Outcome.HUNG,

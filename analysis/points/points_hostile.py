@@ -48,7 +48,9 @@ def make(results: Results) -> Report:
             ]
         )
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}.")
-        own = {label: cell for (_, label), cell in zip(grid.labels, grid.row(scene)) if cell}
+        row_cells = {label: cell for (_, label), cell in zip(grid.labels, grid.row(scene)) if cell}
+        seconds = {f"{label}_seconds": cell.time.value for label, cell in row_cells.items()}
+        statuses = {f"{label}_status": cell.status() for label, cell in row_cells.items()}
         records.append(
             {
                 "scene": scene,
@@ -58,8 +60,8 @@ def make(results: Results) -> Report:
                 "ratio_high": ratio.high,
                 "n": ratio.n,
                 "distances_per_point": distances,
-                **{f"{label}_seconds": cell.time.value for label, cell in own.items()},
-                **{f"{label}_status": cell.status() for label, cell in own.items()},
+                **seconds,
+                **statuses,
             }
         )
     table.verdicts = [everywhere(claims.of("hausbench", "points_hostile"), ratios, "workloads")]

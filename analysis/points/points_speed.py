@@ -45,37 +45,43 @@ class Cell:
         return numerals.estimate(self.time, 1000)
 
 
-def ratio(other: Cell, ours: Cell) -> Estimate:
-    """Returns time of `other` / time of `ours`, paired by round if both have rounds.
+def ratio(rival: Cell, ours: Cell) -> Estimate:
+    """Returns time of `rival` / time of `ours`, paired by round if both have rounds.
 
     A program that measures its time itself reports wall time, so it is compared with our wall time.
     """
     if lacking := apart(
         [
-            one.origin._replace(clock="wall") if other.reported else one.origin
-            for one in (other, ours)
+            cell.origin._replace(clock="wall") if rival.reported else cell.origin
+            for cell in (rival, ours)
         ]
     ):
         return lacking
-    own = ours.wall if other.reported else ours.rounds
-    paired = ratio_by_round(other.rounds, own)
-    return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(own.values()))
+    our_rounds = ours.wall if rival.reported else ours.rounds
+    paired = ratio_by_round(rival.rounds, our_rounds)
+    return (
+        paired
+        if paired.n
+        else ratio_of_medians(list(rival.rounds.values()), list(our_rounds.values()))
+    )
 
 
-def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
-    """Returns time of `other` / time of `ours`. If one of them timed out, the limit stands for its
+def at_least(rival: Cell, ours: Cell, limit: float) -> Estimate:
+    """Returns time of `rival` / time of `ours`. If one of them timed out, the limit stands for its
     time, which can only show that it is slower."""
-    late = [one.status == "timeout" for one in (other, ours)]
+    late = [cell.status == "timeout" for cell in (rival, ours)]
     if not any(late):
-        return ratio(other, ours)
-    if lacking := apart([other.origin, ours.origin]):
+        return ratio(rival, ours)
+    if lacking := apart([rival.origin, ours.origin]):
         return lacking
-    answered = ours if late[0] else other
+    answered = ours if late[0] else rival
     if all(late) or not answered.time.n:
         return NO_DATA
     limits = dict.fromkeys(answered.rounds, limit)
-    found = ratio_by_round(limits, ours.rounds) if late[0] else ratio_by_round(other.rounds, limits)
-    return found if (found.low > 1 if late[0] else found.high < 1) else NO_DATA
+    estimate = (
+        ratio_by_round(limits, ours.rounds) if late[0] else ratio_by_round(rival.rounds, limits)
+    )
+    return estimate if (estimate.low > 1 if late[0] else estimate.high < 1) else NO_DATA
 
 
 def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
@@ -88,8 +94,8 @@ def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
     return most_of(
         claims.of("hausbench", "lss_outperforms"),
         [
-            at_least(other, ours, float(results.cases.case_seconds_limit[other.row]))
-            for other, ours in pairs
+            at_least(earlybreak, lss, float(results.cases.case_seconds_limit[earlybreak.row]))
+            for earlybreak, lss in pairs
         ],
         "workloads",
     )
@@ -115,10 +121,12 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     ratios: list[float] = []
     for scene in scenes:
-        own = [cells.get((scene, label)) for _, label in labels]
+        row_cells = [cells.get((scene, label)) for _, label in labels]
         ours = cells.get((scene, OURS))
         rivals = [
-            cell for (_, label), cell in zip(labels, own) if label != OURS and cell and cell.time.n
+            cell
+            for (_, label), cell in zip(labels, row_cells)
+            if label != OURS and cell and cell.time.n
         ]
         best = min(rivals, key=lambda cell: cell.time.value, default=None)
         speedup = ratio(best, ours) if best and ours and ours.time.n else NO_DATA
@@ -129,7 +137,7 @@ def make(results: Results) -> Report:
             [
                 style.scene_title(scene),
                 "ms",
-                *[cell.text() if cell else numerals.NOTHING for cell in own],
+                *[cell.text() if cell else numerals.NOTHING for cell in row_cells],
                 numerals.ratio(speedup),
             ]
         )
@@ -137,7 +145,10 @@ def make(results: Results) -> Report:
             [
                 "",
                 "MiB",
-                *[numerals.number(cell.mebibytes) if cell else numerals.NOTHING for cell in own],
+                *[
+                    numerals.number(cell.mebibytes) if cell else numerals.NOTHING
+                    for cell in row_cells
+                ],
                 "",
             ]
         )
@@ -146,7 +157,7 @@ def make(results: Results) -> Report:
             f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
             f"{cases.target_elements[first]:,} points."
         )
-        for (solver, label), cell in zip(labels, own):
+        for (solver, label), cell in zip(labels, row_cells):
             if cell:
                 records.append(
                     {
@@ -229,11 +240,11 @@ def draw(
                     fontsize=6,
                     color="#333333",
                 )
-    known = [
+    seconds = [
         cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)
     ] or [1.0]
     ax.set_xscale("log")
-    ax.set_xlim(min(known) / 2, max(known) * 4)
+    ax.set_xlim(min(seconds) / 2, max(seconds) * 4)
     ax.set_ylim(len(scenes) - 0.5, -0.5)
     ax.set_yticks(range(len(scenes)), map(style.scene_title, scenes))
     ax.grid(False, axis="y")

@@ -90,7 +90,7 @@ def prover(results: Results, row: int) -> str:
     to the experiment alone.
     """
     cases = results.cases
-    known = (
+    askable = (
         {str(cases.source[row]), str(cases.target[row])} <= models()
         and cases.quantity[row] == "directed"
         and cases.tolerance_of[row] == "diagonal"
@@ -98,7 +98,7 @@ def prover(results: Results, row: int) -> str:
     unmoved = tuple(cases.pose[row]) == tuple(cases.target_pose[row]) == UNMOVED
     return (
         str(cases.solver[row])
-        if known and unmoved and cases.status[row] == "ok" and cases.solver[row] in PROVERS
+        if askable and unmoved and cases.status[row] == "ok" and cases.solver[row] in PROVERS
         else ""
     )
 
@@ -146,7 +146,10 @@ def coded(values: Sequence[str]) -> dict[str, Any]:
 def script(results: dict[str, Results]) -> str:
     """Returns JSON, safe inside a script: {column: {values, rows}} for texts, {column: [number,
     ...]} for numbers."""
-    rows = [row_of(one, row) for one in results.values() for row in range(len(one.cases))]
-    columns: dict[str, Any] = {name: coded([row[name] for row in rows]) for name in TEXTS}
-    columns |= {name: [row[name] for row in rows] for name in NUMBERS}
+    rows = [row_of(result, row) for result in results.values() for row in range(len(result.cases))]
+    columns: dict[str, Any] = {}
+    for name in TEXTS:
+        columns[name] = coded([row[name] for row in rows])
+    for name in NUMBERS:
+        columns[name] = [row[name] for row in rows]
     return as_script(columns)

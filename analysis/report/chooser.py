@@ -110,24 +110,25 @@ def size(results: Results, scene: str) -> str:
 
 
 def group(cells: Sequence[Cell]) -> Group:
-    by_wins = Counter(one.title for one in cells).most_common()
-    return Group(
-        [win([one for one in cells if one.title == title]) for title, _ in by_wins],
-        [f"{one.stem}: {one.scene}" for one in cells],
-    )
+    by_wins = Counter(cell.title for cell in cells).most_common()
+    winners = []
+    for title, _ in by_wins:
+        winners.append(win([cell for cell in cells if cell.title == title]))
+    return Group(winners, [f"{cell.stem}: {cell.scene}" for cell in cells])
 
 
-def win(own: Sequence[Cell]) -> Win:
-    known = [one.ratio for one in own if one.ratio is not None and one.ratio.n]
-    ratios = [one.value for one in known] or [float("nan")]
+def win(cells: Sequence[Cell]) -> Win:
+    ratios = [cell.ratio for cell in cells if cell.ratio is not None and cell.ratio.n]
+    values = [ratio.value for ratio in ratios] or [float("nan")]
+    separated = sum(cell.separated for cell in cells)
     return Win(
-        own[0].title,
-        len(own),
-        float(scipy.stats.gmean(ratios)),
-        min(ratios),
-        max(ratios),
-        sum(one.separated for one in own),
-        any(one.coverage >= CONFIDENCE for one in known),
+        cells[0].title,
+        len(cells),
+        float(scipy.stats.gmean(values)),
+        min(values),
+        max(values),
+        separated,
+        any(ratio.coverage >= CONFIDENCE for ratio in ratios),
     )
 
 
@@ -136,43 +137,34 @@ def matrix(results: dict[str, Results]) -> Matrix:
     groups: dict[tuple[str, str, str, float], list[Cell]] = {}
     for stem in STEMS:
         if stem in results:
-            for one in which_solver.cells_of(results[stem]):
-                large = size(results[stem], one.scene) if one.domain != "surface" else ""
+            for cell in which_solver.cells_of(results[stem]):
+                large = size(results[stem], cell.scene) if cell.domain != "surface" else ""
                 groups.setdefault(
-                    (one.domain, regime(results[stem], one.scene), large, one.tolerance), []
-                ).append(one)
-    cells = [one for own in groups.values() for one in own]
-    rounds = [one.ratio.n for one in cells if one.ratio is not None and one.ratio.n] or [0]
-    kinds = [
-        kind({key[1:]: own for key, own in groups.items() if key[0] == domain}, title)
-        for domain, title in DOMAINS.items()
-    ]
-    return Matrix(
-        [one for one in kinds if one.rows],
-        list(dict.fromkeys(one.stem for one in cells)),
-        (min(rounds), max(rounds)),
-    )
+                    (cell.domain, regime(results[stem], cell.scene), large, cell.tolerance), []
+                ).append(cell)
+    all_cells = [cell for cells in groups.values() for cell in cells]
+    rounds = [cell.ratio.n for cell in all_cells if cell.ratio is not None and cell.ratio.n] or [0]
+    kinds = []
+    for domain, title in DOMAINS.items():
+        of_domain = {key[1:]: cells for key, cells in groups.items() if key[0] == domain}
+        table = kind(of_domain, title)
+        if table.rows:
+            kinds.append(table)
+    stems = list(dict.fromkeys(cell.stem for cell in all_cells))
+    return Matrix(kinds, stems, (min(rounds), max(rounds)))
 
 
 def kind(groups: dict[tuple[str, str, float], list[Cell]], title: str) -> Kind:
     tolerances = sorted({tolerance for _, _, tolerance in groups}, reverse=True)
     sizes = [name for _, name in SIZES] + [""]
-    rows = [
-        (
-            near,
-            large,
-            [
+    rows = []
+    for near in REGIMES:
+        for large in sizes:
+            row = [
                 group(groups[near, large, x]) if (near, large, x) in groups else None
                 for x in tolerances
-            ],
-        )
-        for near in REGIMES
-        for large in sizes
-        if any((near, large, x) in groups for x in tolerances)
-    ]
-    return Kind(
-        title,
-        any(large for _, large, _ in rows),
-        ["" if x == FINEST else f"{x:g}" for x in tolerances],
-        rows,
-    )
+            ]
+            if any(cell is not None for cell in row):
+                rows.append((near, large, row))
+    sized = any(large for _, large, _ in rows)
+    return Kind(title, sized, ["" if x == FINEST else f"{x:g}" for x in tolerances], rows)

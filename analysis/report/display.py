@@ -39,15 +39,15 @@ def simplify(mesh: Mesh, weights: Floats | None = None, most: int = MOST) -> Dis
         return Display(
             np.arange(len(mesh.corners)), mesh.triangles, np.arange(len(mesh.triangles)), False
         )
-    least, greatest, found = 1, 4096, _merged(mesh, weights, 1)
+    least, greatest, finest = 1, 4096, _merged(mesh, weights, 1)
     while greatest - least > 1:
         cells = (least + greatest) // 2
         merged = _merged(mesh, weights, cells)
         if len(merged.triangles) <= most:
-            least, found = cells, merged
+            least, finest = cells, merged
         else:
             greatest = cells
-    return found
+    return finest
 
 
 def _merged(mesh: Mesh, weights: Floats | None, cells: int) -> Display:

@@ -45,10 +45,10 @@ class Kind:
 
 def worst(suite: Suite, family: Family, label: str, answers: list[Any]) -> Cell:
     """Returns the cell of a family and a solver, and appends its answers to the data."""
-    own = family.asked(label)
-    if not own:
+    of_label = family.asked(label)
+    if not of_label:
         return Cell(Outcome.NOT_APPLICABLE if family.of(label) else Outcome.NOT_RUN, "", 0, 0, -1)
-    least = max(own, key=lambda answer: answer.outcome.badness)
+    least = max(of_label, key=lambda answer: answer.outcome.badness)
     answers.append(
         [
             [
@@ -60,14 +60,14 @@ def worst(suite: Suite, family: Family, label: str, answers: list[Any]) -> Cell:
                 rounded(stability_error.gap(suite, answer)),
                 str(suite.results.cases.reason[answer.row]),
             ]
-            for answer in own
+            for answer in of_label
         ]
     )
     return Cell(
         least.outcome,
         least.letter,
-        sum(answer.outcome == least.outcome for answer in own),
-        len(own),
+        sum(answer.outcome == least.outcome for answer in of_label),
+        len(of_label),
         len(answers) - 1,
     )
 
@@ -82,14 +82,10 @@ def described(results: dict[str, Results]) -> tuple[list[Kind], list[Any]]:
     kinds = []
     for name in KINDS:
         labels = suite.labels_of(name)
-        rows = [
-            (
-                family.title,
-                range_text(family),
-                [worst(suite, family, label, answers) for _, label in labels],
-            )
-            for family in suite.of_kind(name)
-        ]
+        rows = []
+        for family in suite.of_kind(name):
+            cells = [worst(suite, family, label, answers) for _, label in labels]
+            rows.append((family.title, range_text(family), cells))
         if rows:
             kinds.append(Kind(name, [look(*pair).title for pair in labels], rows))
     return kinds, answers

@@ -75,8 +75,8 @@ def shown(line: Line) -> Shown:
         line.entry.judged_as,
         Outcome(line.outcome, evidence),
         [
-            (what, Outcome(str(one["outcome"]), str(one["evidence"])))
-            for what, one in counted.items()
+            (measure, Outcome(str(verdict["outcome"]), str(verdict["evidence"])))
+            for measure, verdict in counted.items()
         ],
         str(line.verdict["stem"]) if line.verdict else ", ".join(line.entry.stems),
         line.kept,
@@ -110,24 +110,23 @@ class Paper:
 
     @property
     def counts(self) -> list[tuple[Outcome, int]]:
-        found = Counter(line.verdict.words for line in self.lines)
-        return [(Outcome(words), found[words]) for words in ORDER if found[words]]
+        tally = Counter(line.verdict.words for line in self.lines)
+        return [(Outcome(words), tally[words]) for words in ORDER if tally[words]]
 
 
 def paper(name: str, lines: Sequence[Line]) -> Paper:
     """Returns the claims of a paper: first those that do not hold, then the others, each in the
     order of the paper."""
-    found = [shown(line) for line in lines]
-    ordered = [line for line in found if line.against] + [
-        line for line in found if not line.against
-    ]
-    said = [
+    all_lines = [shown(line) for line in lines]
+    ordered = [line for line in all_lines if line.against]
+    ordered += [line for line in all_lines if not line.against]
+    without_repeats = [
         replace(line, why="")
         if before is not None and (before.id, before.why) == (line.id, line.why)
         else line
         for before, line in zip([None, *ordered], ordered)
     ]
-    return Paper(paper_page.TITLES.get(name, name), said)
+    return Paper(paper_page.TITLES.get(name, name), without_repeats)
 
 
 def misfits(lines: Iterable[Line]) -> list[str]:
@@ -136,19 +135,19 @@ def misfits(lines: Iterable[Line]) -> list[str]:
     A claim has several verdicts if it is judged on several scenes. Its text fits as long as one of
     them is 'does not hold', or none is decided.
     """
-    found: dict[tuple[str, str], list[Line]] = {}
+    by_claim: dict[tuple[str, str], list[Line]] = {}
     for line in lines:
-        found.setdefault((line.entry.paper, line.entry.id), []).append(line)
+        by_claim.setdefault((line.entry.paper, line.entry.id), []).append(line)
     problems = []
-    for (name, claim), own in found.items():
-        outcomes, text = {line.outcome for line in own}, own[0].entry.why_not
+    for (name, claim), claim_lines in by_claim.items():
+        outcomes, text = {line.outcome for line in claim_lines}, claim_lines[0].entry.why_not
         file = f"analysis/claims/{name}.toml"
         if FAILS in outcomes and not text:
             problems.append(
                 f"{name}/{claim}: does not hold, and {file} does not say why: add `why_not`"
             )
         elif text and FAILS not in outcomes and outcomes & set(UNFIT):
-            verdict = next(line.outcome for line in own if line.outcome in UNFIT)
+            verdict = next(line.outcome for line in claim_lines if line.outcome in UNFIT)
             problems.append(
                 f"{name}/{claim}: {file} says why it does not hold, and the verdict is '{verdict}': remove `why_not`, or find out what changed"
             )

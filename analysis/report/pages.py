@@ -73,8 +73,8 @@ class Experiment:
     @property
     def file(self) -> str:
         """The experiment's file, from the root of the project; empty if the stem has none."""
-        found = file_of(self.stem)
-        return str(found.relative_to(ROOT)) if found else ""
+        path = file_of(self.stem)
+        return str(path.relative_to(ROOT)) if path else ""
 
     @property
     def seconds(self) -> float:
@@ -107,10 +107,9 @@ def experiment(stem: str, results: dict[str, Results], out: Path) -> Experiment:
     files = out / "report" / "files"
     files.mkdir(parents=True, exist_ok=True)
     table, pictures = out / "tables" / f"{stem}.md", document.figures_of(out, stem, "png")
-    downloads = [
-        *(path.with_suffix(".pdf") for path, _ in pictures),
-        *(table.with_suffix(suffix) for suffix in (".csv", ".tex")),
-    ]
+    downloads = [path.with_suffix(".pdf") for path, _ in pictures]
+    downloads += [table.with_suffix(suffix) for suffix in (".csv", ".tex")]
+    figures = [(name, caption) for path, caption in pictures if (name := picture(path, files))]
     return Experiment(
         stem,
         document.title_of(stem),
@@ -118,7 +117,7 @@ def experiment(stem: str, results: dict[str, Results], out: Path) -> Experiment:
         table_html(table.read_text(encoding="utf-8", errors="replace"))
         if gate.is_plain(table)
         else "",
-        [(name, caption) for path, caption in pictures if (name := picture(path, files))],
+        figures,
         [copied(path, files) for path in downloads if gate.is_plain(path)],
     )
 
@@ -139,10 +138,8 @@ def _measured_as(stem: str) -> str:
 
 def loaded(folder: Path) -> dict[str, Results]:
     """Loads all results of a folder, by stem. Names damaged files and leaves them out."""
-    return {
-        one.stem: one
-        for one in load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem)
-    }
+    paths = [path for path in sorted(folder.glob("*.h5")) if "." not in path.stem]
+    return {result.stem: result for result in load_all(paths)}
 
 
 def environment() -> jinja2.Environment:
@@ -202,14 +199,14 @@ def libraries(results: Results) -> str:
 
 def shared(results: dict[str, Results]) -> dict[str, Any]:
     """Returns what every page says: the navigation, and versions and hardware for its foot."""
-    machines = list(dict.fromkeys(measured_on(one) for one in results.values()))
+    machines = list(dict.fromkeys(measured_on(result) for result in results.values()))
     papers = {name: title for name, title in paper_page.TITLES.items() if name != claims.OWN}
     return {
         "pages": PAGES,
         "papers": papers,
         "own": claims.OWN,
         "machines": machines,
-        "libraries": list(dict.fromkeys(libraries(one) for one in results.values())),
+        "libraries": list(dict.fromkeys(libraries(result) for result in results.values())),
     }
 
 
@@ -224,7 +221,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
         return write_pages(results, out)
     except Exception:
         write_pages({}, out)  # raises again if the error is in none of the results
-        usable = {stem: one for stem, one in results.items() if can_be_shown(one, out)}
+        usable = {stem: result for stem, result in results.items() if can_be_shown(result, out)}
         if len(usable) == len(results):
             raise
         return write_pages(usable, out)
@@ -246,7 +243,7 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
     now = paper_page.records(out / "tables")
     kept = paper_page.records(REFERENCE)
     lines = {paper: paper_page.lines_of(paper, now, kept) for paper in paper_page.papers()}
-    problems = [problem for own in lines.values() for problem in outcomes.misfits(own)]
+    problems = [problem for several in lines.values() for problem in outcomes.misfits(several)]
     plots = (LIBRARIES / "plots.js").exists()
     made, common, paths = environment(), shared(results), list[Path]()
 
@@ -256,11 +253,12 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
             paths[-1], made.get_template(template).render(here=here, **common, **more)
         )
 
-    pages_of = {
-        name: [experiment(stem, results, out) for stem in document.stems_of(name)] for name in lines
-    }
+    pages_of: dict[str, list[Experiment]] = {}
+    for name in lines:
+        pages_of[name] = [experiment(stem, results, out) for stem in document.stems_of(name)]
     verdicts = {name: outcomes.paper(name, several) for name, several in lines.items()}
-    rows = sum(len(one.cases) for one in results.values())
+    rows = sum(len(result.cases) for result in results.values())
+    paper_lines = [line for name in common["papers"] for line in verdicts[name].lines]
     page(
         "index",
         "index.html.j2",
@@ -269,12 +267,10 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
         problems=problems,
         choice=chooser.matrix(results),
         claims=verdicts,
-        paper_claims=outcomes.Paper(
-            "", [line for name in common["papers"] for line in verdicts[name].lines]
-        ),
+        paper_claims=outcomes.Paper(title="", lines=paper_lines),
         runs=[
-            Experiment(stem, document.title_of(stem), one, "", (), ())
-            for stem, one in results.items()
+            Experiment(stem, document.title_of(stem), result, table="", figures=(), downloads=())
+            for stem, result in results.items()
         ],
     )
     for name in common["papers"]:
@@ -289,7 +285,7 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
     page(
         "experiments",
         "experiments.html.j2",
-        experiments=[one for one in pages_of[claims.OWN] if one.there],
+        experiments=[drawn for drawn in pages_of[claims.OWN] if drawn.there],
         claims=verdicts[claims.OWN],
     )
     page("rows", "rows.html.j2", rows=rows, plots=plots, statuses=all_rows.STATUSES)
@@ -309,7 +305,8 @@ def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], lis
         outcomes=list(Outcome),
         stops=[(words, letter) for letter, words in STOPS.values()],
     )
-    timings, left_out = history(), ledger.by_time([ledger.read(one) for one in results.values()])
+    timings = history()
+    left_out = ledger.by_time([ledger.read(result) for result in results.values()])
     page(
         "work",
         "work.html.j2",

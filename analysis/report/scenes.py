@@ -64,7 +64,7 @@ def with_fields(results: Results, rows: list[int]) -> list[int]:
 def motions(results: Results, rows: list[int]) -> list[list[int]]:
     """Returns the rows of each motion with at least three poses, of the first certified solver, in
     the order of the poses."""
-    found: dict[str, dict[int, int]] = {}
+    by_scene: dict[str, dict[int, int]] = {}
     label: dict[str, str] = {}
     for row in rows:
         scene, pose = str(results.cases.scene[row]), int(results.cases.pose_index[row])
@@ -72,12 +72,12 @@ def motions(results: Results, rows: list[int]) -> list[list[int]]:
             results.cases.certified[row] == 1
             and label.setdefault(scene, str(results.cases.label[row])) == results.cases.label[row]
         ):
-            found.setdefault(scene, {}).setdefault(pose, row)
-    return [
-        [by_pose[pose] for pose in sorted(by_pose)]
-        for by_pose in found.values()
-        if len(by_pose) > 2
-    ]
+            by_scene.setdefault(scene, {}).setdefault(pose, row)
+    in_order = []
+    for by_pose in by_scene.values():
+        if len(by_pose) > 2:
+            in_order.append([by_pose[pose] for pose in sorted(by_pose)])
+    return in_order
 
 
 def shape(results: Results, model: str) -> shapes.Mesh:
@@ -124,6 +124,9 @@ def moving(results: Results, rows: list[int], meshes: Meshes) -> dict[str, Any]:
     cases = results.cases
     rows = rows[:: 1 + (len(rows) - 1) // MOST_POSES]
     a, b = (shape(results, str(name)) for name in (cases.source[rows[0]], cases.target[rows[0]]))
+    poses = [[*cases.pose[row].tolist(), *cases.target_pose[row].tolist()] for row in rows]
+    lower = [float(cases.lower[row]) for row in rows]
+    upper = [float(cases.upper[row]) for row in rows]
     return _common(results, rows[0]) | {
         "a": meshes.add(
             (_hash(results, str(cases.source[rows[0]])), "plain"), a, display.simplify(a)
@@ -133,9 +136,9 @@ def moving(results: Results, rows: list[int], meshes: Meshes) -> dict[str, Any]:
             (_hash(results, str(cases.target[rows[0]])), "plain"), b, display.simplify(b)
         ),
         "witness": None,
-        "poses": [[*cases.pose[row].tolist(), *cases.target_pose[row].tolist()] for row in rows],
-        "lower": [float(cases.lower[row]) for row in rows],
-        "upper": [float(cases.upper[row]) for row in rows],
+        "poses": poses,
+        "lower": lower,
+        "upper": upper,
     }
 
 
@@ -146,17 +149,17 @@ def _hash(results: Results, model: str) -> str:
 def described(results: dict[str, Results]) -> dict[str, Any]:
     """Returns {meshes, scenes} for view.js: at most MOST_SCENES, stills before motions."""
     meshes, scenes = Meshes(), list[dict[str, Any]]()
-    pairs = [(one, pairs_of_meshes(one)) for one in results.values()]
-    wanted = [(one, row) for one, rows in pairs for row in with_fields(one, rows)]
-    moved = [(one, motion) for one, rows in pairs for motion in motions(one, rows)]
-    for one, row in wanted[: MOST_SCENES - min(len(moved), MOST_SCENES // 3)]:
+    pairs = [(result, pairs_of_meshes(result)) for result in results.values()]
+    stills = [(result, row) for result, rows in pairs for row in with_fields(result, rows)]
+    moved = [(result, motion) for result, rows in pairs for motion in motions(result, rows)]
+    for result, row in stills[: MOST_SCENES - min(len(moved), MOST_SCENES // 3)]:
         try:
-            scenes.append(still(one, row, meshes))
+            scenes.append(still(result, row, meshes))
         except ResultError:
             continue
-    for one, motion in moved[: MOST_SCENES - len(scenes)]:
+    for result, motion in moved[: MOST_SCENES - len(scenes)]:
         try:
-            scenes.append(moving(one, motion, meshes))
+            scenes.append(moving(result, motion, meshes))
         except ResultError:
             continue
     return {"meshes": meshes.packed, "scenes": scenes}

@@ -203,7 +203,7 @@ def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
 def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
     """Returns the cross-section at this depth: one segment for each triangle that crosses the
     plane."""
-    sides, found = corners[shown.triangles], list[Floats]()
+    sides, segments = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(
         sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]
@@ -213,5 +213,5 @@ def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
             p, q = triangle[i], triangle[(i + 1) % 3]
             if flags[i] != flags[(i + 1) % 3]:
                 ends.append((p + (depth - p[2]) / (q[2] - p[2]) * (q - p))[:2])
-        found.append(np.stack(ends))
-    return found
+        segments.append(np.stack(ends))
+    return segments

@@ -67,21 +67,22 @@ class Orders:
             else:
                 rows.setdefault(str(results.options(row).get("order", BEST)), {})[scene] = row
         self.scenes = [s for s in map(str, results.scenes) if s not in self.lost]
-        known = [order for order in DRAWN if order in rows]
+        printed = [order for order in DRAWN if order in rows]
         self.orders = [
-            *sorted(rows.keys() - set(known), key=lambda order: (len(order), order)),
-            *known,
+            *sorted(rows.keys() - set(printed), key=lambda order: (len(order), order)),
+            *printed,
         ]
         self.cells = {
             (order, scene): Cell(results, [row])
             for order, of in rows.items()
             for scene, row in of.items()
         }
-        self.solved = [
-            scene for scene in self.scenes if any(self.ends(order, scene) for order in self.orders)
-        ]
+        self.solved = []
+        for scene in self.scenes:
+            if any(self.ends(order, scene) for order in self.orders):
+                self.solved.append(scene)
         self.apart = next((why for scene in self.solved if (why := self.reason_apart(scene))), "")
-        self.wins = {what: self.shared(self.orders, what) for what in ("", *MEASURES)}
+        self.wins = {measure: self.shared(self.orders, measure) for measure in ("", *MEASURES)}
 
     def ends(self, order: str, scene: str) -> bool:
         cell = self.cells.get((order, scene))
@@ -90,155 +91,150 @@ class Orders:
     def reason_apart(self, scene: str) -> str:
         """Returns why the times of this pair are not comparable; empty if they are."""
         return reason_apart(
-            one for (_, of), cell in self.cells.items() if of == scene for one in cell.origins
+            origin for (_, of), cell in self.cells.items() if of == scene for origin in cell.origins
         )
 
-    def cost(self, order: str, scene: str, what: str) -> float:
-        """Returns the time, or the count MEASURES[what]; NaN if the tolerance was not reached or
+    def cost(self, order: str, scene: str, measure: str) -> float:
+        """Returns the time, or the count MEASURES[measure]; NaN if the tolerance was not reached or
         times are not comparable."""
         cell = self.cells.get((order, scene))
-        return np.nan if cell is None or (not what and self.apart) else cell.cost(what)
+        return np.nan if cell is None or (not measure and self.apart) else cell.cost(measure)
 
-    def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
+    def shared(self, orders: Iterable[str], measure: str) -> dict[str, Wins]:
         """Returns the wins of these orders among the pairs that some order solved."""
-        return shared_wins(
-            {
-                order: [self.cost(order, scene, what) for scene in self.solved]
-                for order in orders
-                if order in self.orders
-            }
-        )
+        costs = {}
+        for order in orders:
+            if order in self.orders:
+                costs[order] = [self.cost(order, scene, measure) for scene in self.solved]
+        return shared_wins(costs)
 
     def stopped(self, order: str, status: str) -> int:
         return sum(cell.failures[status] for (o, _), cell in self.cells.items() if o == order)
 
-    def count(self, order: str, what: str = "") -> int:
-        return int(self.wins[what][order].sum())
+    def count(self, order: str, measure: str = "") -> int:
+        return int(self.wins[measure][order].sum())
 
-    def percent(self, order: str, what: str = "") -> float:
-        return 100 * self.count(order, what) / len(self.solved) if self.solved else np.nan
+    def percent(self, order: str, measure: str = "") -> float:
+        return 100 * self.count(order, measure) / len(self.solved) if self.solved else np.nan
 
-    def of(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
+    def of(self, orders: Iterable[str], measure: str) -> dict[str, Wins]:
         return (
-            {order: self.wins[what][order] for order in orders if order in self.wins[what]}
+            {order: self.wins[measure][order] for order in orders if order in self.wins[measure]}
             if self.solved
             else {}
         )
 
 
-def verdicts(found: Orders) -> list[Verdict]:
+def verdicts(orders: Orders) -> list[Verdict]:
     """Judges all claims in time and in counted work, except the share of solved pairs."""
 
     def more(claim: str, ahead: Iterable[str], behind: Iterable[str]) -> Verdict:
         ahead, behind = list(ahead), list(behind)
         return judged(
-            claim, lambda what: wins_more(claim, found.of(ahead, what), found.of(behind, what))
+            claim,
+            lambda measure: wins_more(claim, orders.of(ahead, measure), orders.of(behind, measure)),
         )
 
     def alone(claim: str, ahead: list[str], behind: list[str]) -> Verdict:
-        def judge(what: str) -> Verdict:
-            wins = found.shared(SINGLE, what)
-            better, worse = (
-                {order: wins[order] for order in orders if order in wins}
-                for orders in (ahead, behind)
-            )
+        def judge(measure: str) -> Verdict:
+            wins = orders.shared(SINGLE, measure)
+            better = {order: wins[order] for order in ahead if order in wins}
+            worse = {order: wins[order] for order in behind if order in wins}
             return wins_more(claim, better, worse)
 
         return judged(claim, judge)
 
     def judged(claim: str, judge: Callable[[str], Verdict]) -> Verdict:
         return in_time_and_work(
-            lambda what: Verdict(claim, UNTESTED, f"times {found.apart}")
-            if found.apart and not what
-            else judge(what)
+            lambda measure: Verdict(claim, UNTESTED, f"times {orders.apart}")
+            if orders.apart and not measure
+            else judge(measure)
         )
 
-    with_u3 = [order for order in found.orders if "3" in order]
+    with_u3 = [order for order in orders.orders if "3" in order]
+    not_best = [order for order in orders.orders if order != BEST]
+    not_ten_best = [order for order in orders.orders if order not in TEN_BEST]
     return [
-        more(
-            claims.of("sacht2024", "best_order"),
-            [BEST],
-            [order for order in found.orders if order != BEST],
-        ),
+        more(claims.of("sacht2024", "best_order"), [BEST], not_best),
         more(claims.of("sacht2024", "worst_orders"), with_u3, ["1", "2", "4"]),
         alone(claims.of("sacht2024", "best_single"), ["3"], ["1", "2", "4"]),
         share_near(
-            claims.of("sacht2024", "solved"), len(found.solved), len(found.scenes), SOLVED, WITHIN
+            claims.of("sacht2024", "solved"), len(orders.solved), len(orders.scenes), SOLVED, WITHIN
         ),
-        more(
-            claims.of("sacht2024", "ten_best"),
-            TEN_BEST,
-            [order for order in found.orders if order not in TEN_BEST],
-        ),
+        more(claims.of("sacht2024", "ten_best"), TEN_BEST, not_ten_best),
         more(claims.of("sacht2024", "cascade"), [BEST], SINGLE),
     ]
 
 
 def make(results: Results) -> Report:
-    found = Orders(results)
+    orders = Orders(results)
     word = clock_word(results)
     table = tables.Table(
         "Shared wins of the orders of u1 to u4: pairs on which an order takes at most 105 % of the minimum, among those that some order solves "
-        f"({len(found.solved)} of {len(found.scenes)}); A is a mesh and B the same mesh remeshed, as in Fig. 10 of Sacht and Jacobson 2024.",
+        f"({len(orders.solved)} of {len(orders.scenes)}); A is a mesh and B the same mesh remeshed, as in Fig. 10 of Sacht and Jacobson 2024.",
         [
             "order",
             "solves, %",
             "m spent",
             "at the limit",
             f"wins in {word}, %",
-            *[f"in {what}, %" for what in MEASURES],
+            *[f"in {measure}, %" for measure in MEASURES],
             "in the paper",
         ],
     )
     ranked = sorted(
-        found.orders,
-        key=lambda order: (-found.count(order), -found.count(order, list(MEASURES)[-1])),
+        orders.orders,
+        key=lambda order: (-orders.count(order), -orders.count(order, list(MEASURES)[-1])),
     )
     for order in ranked:
-        ended = sum(found.ends(order, scene) for scene in found.solved)
+        ended = sum(orders.ends(order, scene) for scene in orders.solved)
         table.rows.append(
             [
                 order,
-                numerals.number(100 * ended / len(found.solved))
-                if found.solved
+                numerals.number(100 * ended / len(orders.solved))
+                if orders.solved
                 else numerals.NOTHING,
-                str(found.stopped(order, "budget")),
-                str(found.stopped(order, "timeout")),
-                *[numerals.number(found.percent(order, what)) for what in ("", *MEASURES)],
+                str(orders.stopped(order, "budget")),
+                str(orders.stopped(order, "timeout")),
+                *[numerals.number(orders.percent(order, measure)) for measure in ("", *MEASURES)],
                 place(order),
             ]
         )
     limits = sorted({float(x) for x in results.cases.case_seconds_limit})
-    table.verdicts = verdicts(found)
+    table.verdicts = verdicts(orders)
     table.notes = [
-        f"{len(found.orders)} of 64 orders were run; the paper draws 19. An order may make 1000 pieces per triangle of A and has "
+        f"{len(orders.orders)} of 64 orders were run; the paper draws 19. An order may make 1000 pieces per triangle of A and has "
         f"{' or '.join(f'{x:g}' for x in limits)} s; the gap is 1e-8 of the diagonal of A.",
         "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's isotropic remeshing, with edges of "
         "1 % of the diagonal, for TetWild.",
         "Time covers preparing and the first answer, with one round (n = 1) per case. If times differ by less than the noise, a win is shared or "
         "lost by chance; counted work has no noise.",
-        *lost_note(found),
+        *lost_note(orders),
         f"Here: {machine_line(results)}.",
     ]
-    records: list[tables.Record] = [
-        {
-            "scene": scene,
-            "order": order,
-            "status": cell.status(),
-            "n": cell.time.n,
-            "seconds": cell.time.value,
-            **{
-                f"wins: {what or 'time'}": int(found.wins[what][order][found.solved.index(scene)])
-                if scene in found.solved
-                else 0
-                for what in ("", *MEASURES)
-            },
-            **cell.counters,
+    records: list[tables.Record] = []
+    for (order, scene), cell in orders.cells.items():
+        wins = {
+            f"wins: {measure or 'time'}": int(
+                orders.wins[measure][order][orders.solved.index(scene)]
+            )
+            if scene in orders.solved
+            else 0
+            for measure in ("", *MEASURES)
         }
-        for (order, scene), cell in found.cells.items()
-    ]
-    records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return Report(lambda: draw(found), table, records)
+        records.append(
+            {
+                "scene": scene,
+                "order": order,
+                "status": cell.status(),
+                "n": cell.time.n,
+                "seconds": cell.time.value,
+                **wins,
+                **cell.counters,
+            }
+        )
+    records += [{"scene": scene, "status": why} for scene, why in orders.lost.items()]
+    return Report(lambda: draw(orders), table, records)
 
 
 def place(order: str) -> str:
@@ -257,35 +253,35 @@ def place(order: str) -> str:
     )
 
 
-def lost_note(found: Orders) -> list[str]:
-    if not found.lost:
+def lost_note(orders: Orders) -> list[str]:
+    if not orders.lost:
         return []
-    scene, why = next(iter(found.lost.items()))
-    return [f"{len(found.lost)} pairs have no rows with an answer ({scene}: {why})."]
+    scene, why = next(iter(orders.lost.items()))
+    return [f"{len(orders.lost)} pairs have no rows with an answer ({scene}: {why})."]
 
 
-def draw(found: Orders) -> Any:
+def draw(orders: Orders) -> Any:
     """Draws the shared wins, in time and in counted work, of the orders that the paper shows and of
     the best order here."""
     work = list(MEASURES)[-1]
-    drawn = [order for order in DRAWN if order in found.orders]
-    for what in ("", work):
-        most = max((found.count(order, what) for order in drawn), default=-1)
-        best = max(found.orders, key=lambda order: found.count(order, what), default="")
-        if best and best not in drawn and found.count(best, what) > most:
+    drawn = [order for order in DRAWN if order in orders.orders]
+    for measure in ("", work):
+        most = max((orders.count(order, measure) for order in drawn), default=-1)
+        best = max(orders.orders, key=lambda order: orders.count(order, measure), default="")
+        if best and best not in drawn and orders.count(best, measure) > most:
             drawn.append(best)
     figure, axes = plt.subplots(2, 1, sharex=True, sharey=True, figsize=(style.DOUBLE_COLUMN, 3.4))
     x = np.arange(len(drawn))
     colours = ["#E69F00" if "3" in order else WITHOUT_U3 for order in drawn]
-    ended = [
-        100 * sum(found.ends(order, scene) for scene in found.solved) / max(1, len(found.solved))
-        for order in drawn
-    ]
-    for ax, what, name in zip(axes, ("", work), (clock_word(found.results), work)):
+    ended = []
+    for order in drawn:
+        count = sum(orders.ends(order, scene) for scene in orders.solved)
+        ended.append(100 * count / max(1, len(orders.solved)))
+    for ax, measure, name in zip(axes, ("", work), (clock_word(orders.results), work)):
         ax.bar(x, ended, width=0.78, facecolor="none", edgecolor=style.GREY, linewidth=0.6)
         ax.bar(
             x,
-            [found.percent(order, what) if found.solved else 0.0 for order in drawn],
+            [orders.percent(order, measure) if orders.solved else 0.0 for order in drawn],
             width=0.78,
             color=colours,
             zorder=2,
@@ -293,15 +289,15 @@ def draw(found: Orders) -> Any:
         for i, order in enumerate(drawn):
             ax.text(
                 i,
-                (found.percent(order, what) if found.solved else 0.0) + 1.5,
-                numerals.number(found.percent(order, what), 2),
+                (orders.percent(order, measure) if orders.solved else 0.0) + 1.5,
+                numerals.number(orders.percent(order, measure), 2),
                 ha="center",
                 fontsize=6,
                 color="#333333",
                 zorder=3,
             )
         ax.set_ylim(0, 108)
-        ax.set_ylabel(f"pairs (%), n = {len(found.solved)}")
+        ax.set_ylabel(f"pairs (%), n = {len(orders.solved)}")
         ax.set_title(f"shared wins in {name}", fontsize=8)
         ax.grid(False, axis="x")
         for edge in (7, 9, len(DRAWN)):  # the paper's worst, the two in between, its best, ours
@@ -313,7 +309,7 @@ def draw(found: Orders) -> Any:
     more = len(drawn) - sum(order in DRAWN for order in drawn)
     axes[1].set_xlabel(
         "order of the bounds, from the paper's worst (left) to its best"
-        + "; then the best here" * (more > 0)
+        + ("; then the best here" if more > 0 else "")
     )
     entries: list[Artist] = [
         Rectangle((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),

@@ -51,11 +51,11 @@ class Shown:
 
 
 def collect(results: Results) -> list[Shown]:
-    cases, found = results.cases, list[Shown]()
+    cases, pairs = results.cases, list[Shown]()
     for case in range(len(cases)):
         fields = results.fields_of(case)
         if cases.solver[case] == "sacht" and results.is_bounded(case) and "bound" in fields:
-            found.append(
+            pairs.append(
                 Shown(
                     cases.scene[case],
                     case,
@@ -63,17 +63,17 @@ def collect(results: Results) -> list[Shown]:
                     fields.get("distance", np.empty(0)),
                 )
             )
-    if not found:
+    if not pairs:
         raise ResultError(
             f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {results.stem}'"
         )
-    return found
+    return pairs
 
 
 def verdicts(pairs: list[Shown]) -> list[Verdict]:
     """Judges how often each bound was the last one. Counts are exact, so no statistical test is
     needed."""
-    found = []
+    judged = []
     for pair in pairs:
         counts, n = pair.counts, len(pair.last)
         said = ", ".join(
@@ -102,12 +102,12 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
             for name, count in zip(NAMES[2:4], counts[2:4])
             if count <= max(*counts[:2], counts[4])
         ]
-        found += [
+        judged += [
             used,
             least,
             all_of(claims.of("sacht2024", "u2_u3", pair.scene), len(less), 2, 2, f"bounds: {said}"),
         ]
-    return found
+    return judged
 
 
 def thin(pair: Shown, a: Mesh) -> Verdict:
@@ -127,12 +127,10 @@ def thin(pair: Shown, a: Mesh) -> Verdict:
     if not gone.any():
         return Verdict(claim, UNTESTED, f"none of {int(thinnest.sum())} thin triangles disappears")
     counts = [int((pair.last[gone] == k).sum()) for k in range(len(NAMES))]
-    said, others = ", ".join(f"{name} {count}" for name, count in zip(NAMES, counts)), max(
-        counts[:4]
-    )
+    said, rest = ", ".join(f"{name} {count}" for name, count in zip(NAMES, counts)), max(counts[:4])
     return Verdict(
         claim,
-        HOLDS if counts[4] > others else FAILS if counts[4] < others else OPEN,
+        HOLDS if counts[4] > rest else FAILS if counts[4] < rest else OPEN,
         f"of {int(gone.sum())} triangles whose height is below {THIN:g} of their longest edge and below the distances of their corners: {said}",
     )
 

@@ -58,85 +58,91 @@ def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
                 seconds, "trace", {0: seconds}, origins=frozenset([origin(results, finest, "wall")])
             )
         return Reach(np.nan, cases.status[finest] if cases.status[finest] != "ok" else "not asked")
-    asked = [r for r in rows if np.isclose(cases.tolerance[r], tolerance, rtol=1e-9, atol=0)]
-    if not asked:
+    runs = [r for r in rows if np.isclose(cases.tolerance[r], tolerance, rtol=1e-9, atol=0)]
+    if not runs:
         return Reach(
             np.nan,
             "not asked" if rows or not len(results.rows(scene=scene, label=label)) else "unsound",
         )
-    if cases.status[asked[0]] != "ok":
-        return Reach(np.nan, str(cases.status[asked[0]]))
-    times = results.total_by_round(asked[0])
-    work = {
-        what: sum(int(cases.counters[name][asked[0]]) for name in names if name in cases.counters)
-        for what, names in MEASURES.items()
-    }
+    if cases.status[runs[0]] != "ok":
+        return Reach(np.nan, str(cases.status[runs[0]]))
+    times = results.total_by_round(runs[0])
+    work = {}
+    for measure, names in MEASURES.items():
+        work[measure] = sum(
+            int(cases.counters[name][runs[0]]) for name in names if name in cases.counters
+        )
     return Reach(
-        float(np.median(list(times.values()))), "case", times, work, origins(results, asked[:1])
+        float(np.median(list(times.values()))), "case", times, work, origins(results, runs[:1])
     )
 
 
-Found = dict[tuple[str, str, float], Reach]  # by label, scene, tolerance
+Reaches = dict[tuple[str, str, float], Reach]  # by label, scene, tolerance
 
 
-def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dict[int, float]:
+def mean_of_rounds(reaches: Reaches, label: str, scenes: list[str], t: float) -> dict[int, float]:
     """Returns the mean time over all pairs, by round; empty if the tolerance was not reached on
     some pair."""
-    each = [found[label, scene, t].by_round for scene in scenes if (label, scene, t) in found]
+    each = [reaches[label, scene, t].by_round for scene in scenes if (label, scene, t) in reaches]
     if len(each) < len(scenes) or not all(each):
         return {}
-    return {
-        number: float(np.mean([times[number] for times in each]))
-        for number in each[0]
-        if all(number in times for times in each)
-    }
+    means = {}
+    for number in each[0]:
+        times = [by_round[number] for by_round in each if number in by_round]
+        if len(times) == len(each):
+            means[number] = float(np.mean(times))
+    return means
 
 
-def work_of(found: Found, label: str, scenes: list[str], t: float, what: str) -> float:
+def work_of(reaches: Reaches, label: str, scenes: list[str], t: float, measure: str) -> float:
     """Returns the counted work summed over all pairs; NaN if a pair is missing or has no count."""
     counts = [
-        found[label, scene, t].work.get(what, 0) for scene in scenes if (label, scene, t) in found
+        reaches[label, scene, t].work.get(measure, 0)
+        for scene in scenes
+        if (label, scene, t) in reaches
     ]
     return float(sum(counts)) if len(counts) == len(scenes) and all(counts) else np.nan
 
 
-def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
+def verdicts(reaches: Reaches, scenes: list[str]) -> list[Verdict]:
     """Judges claims about ratios of mean times, at every tolerance."""
 
     def over(claim: str, ratio: Callable[[float], Estimate]) -> Verdict:
         return everywhere(claim, [ratio(t) for t in stages], "tolerances")
 
-    stages = [
-        t
-        for t in TOLERANCES
+    stages = []
+    for t in TOLERANCES:
         if any(
             reach.read_from != "not asked"
-            for (label, _, asked), reach in found.items()
-            if label in ("sacht", *RIVALS) and asked == t
-        )
-    ]
+            for (label, _, tolerance), reach in reaches.items()
+            if label in ("sacht", *RIVALS) and tolerance == t
+        ):
+            stages.append(t)
     lines = []
     for rival in RIVALS:
 
         def timed(t: float, rival: str = rival) -> Estimate:
-            slow, fast = (mean_of_rounds(found, label, scenes, t) for label in (rival, "sacht"))
+            slow, fast = (mean_of_rounds(reaches, label, scenes, t) for label in (rival, "sacht"))
             if not slow or not fast:
                 return NO_DATA
             return apart(
-                one
+                provenance
                 for label in (rival, "sacht")
                 for scene in scenes
-                for one in found[label, scene, t].origins
+                for provenance in reaches[label, scene, t].origins
             ) or ratio_by_round(slow, fast)
 
-        def counted(what: str, rival: str = rival) -> Callable[[float], Estimate]:
+        def counted(measure: str, rival: str = rival) -> Callable[[float], Estimate]:
             return lambda t: exact(
-                work_of(found, rival, scenes, t, what) / work_of(found, "sacht", scenes, t, what)
+                work_of(reaches, rival, scenes, t, measure)
+                / work_of(reaches, "sacht", scenes, t, measure)
             )
 
         claim = claims.of("sacht2024", "every_stage", rival=style.title(rival))
         lines.append(
-            over(claim, timed).with_counts({what: over(claim, counted(what)) for what in MEASURES})
+            over(claim, timed).with_counts(
+                {measure: over(claim, counted(measure)) for measure in MEASURES}
+            )
         )
     return lines
 
@@ -145,7 +151,7 @@ def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
     scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
-    found = {
+    reaches = {
         (label, scene, t): reach(results, scene, label, t)
         for _, label in labels
         for scene in scenes
@@ -153,27 +159,24 @@ def make(results: Results) -> Report:
     }
 
     average = {
-        (label, t): median(list(mean_of_rounds(found, label, scenes, t).values()))
+        (label, t): median(list(mean_of_rounds(reaches, label, scenes, t).values()))
         for _, label in labels
         for t in TOLERANCES
     }
-    reached = {
-        (label, t): sum(np.isfinite(found[label, scene, t].seconds) for scene in scenes)
-        for _, label in labels
-        for t in TOLERANCES
-    }
-    asked = {
-        (label, t)
-        for _, label in labels
-        for t in TOLERANCES
-        if any(found[label, scene, t].read_from != "not asked" for scene in scenes)
-    }
-    paper = {
-        name: float(np.mean([row[name] for row in printed["row"]])) / 1e3
-        for name in ("kang", "zheng", "sacht")
-    }
+    reached = {}
+    requested = set()
+    for _, label in labels:
+        for t in TOLERANCES:
+            reached[label, t] = sum(
+                np.isfinite(reaches[label, scene, t].seconds) for scene in scenes
+            )
+            if any(reaches[label, scene, t].read_from != "not asked" for scene in scenes):
+                requested.add((label, t))
+    paper = {}
+    for name in ("kang", "zheng", "sacht"):
+        paper[name] = float(np.mean([row[name] for row in printed["row"]])) / 1e3
 
-    traced = any(reach.read_from == "trace" for reach in found.values())
+    traced = any(reach.read_from == "trace" for reach in reaches.values())
     table = tables.Table(
         f"{'Wall time' if traced else clock_title(results)} in ms (preparation included) until the gap is within a tolerance, relative to "
         f"the diagonal of A; mean over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
@@ -182,7 +185,7 @@ def make(results: Results) -> Report:
     for solver, label in labels:
         row = [
             numerals.NOTHING
-            if (label, t) not in asked
+            if (label, t) not in requested
             else numerals.estimate(average[label, t], 1e3)
             if average[label, t].n
             else f"{reached[label, t]} of {len(scenes)}"
@@ -191,10 +194,15 @@ def make(results: Results) -> Report:
         table.rows.append(
             [style.title(solver, label), *row, numerals.number(paper.get(label, np.nan) * 1e3)]
         )
-    table.verdicts = verdicts(found, scenes)
+    table.verdicts = verdicts(reaches, scenes)
+    scene_notes = [
+        f"{style.scene_title(scene)}: {note}"
+        for scene in scenes
+        if (note := cases.scene_note[results.rows(scene=scene)[0]])
+    ]
     table.notes = [
         "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
-        + unreached(labels, scenes, found),
+        + unreached(labels, scenes, reaches),
         (
             "Read from one traced run per pair: the first sample whose gap is within the tolerance, plus the preparation time of that run. Solvers without a "
             "trace: the median of the rounds that asked for the tolerance. " + tracing_cost(results)
@@ -206,11 +214,7 @@ def make(results: Results) -> Report:
             + " The mean over the pairs is taken for each round."
         ),
         "The paper's times include the construction of the BVH. A dash: not requested.",
-        *[
-            f"{style.scene_title(scene)}: {note}"
-            for scene in scenes
-            if (note := cases.scene_note[results.rows(scene=scene)[0]])
-        ],
+        *scene_notes,
         "Paper: means of its Table 2 at 1e-8; Fig. 13 itself prints no numbers. Its pairs: "
         + ", ".join(row["scene"] for row in printed["row"])
         + f"; {printed['machine']}.",
@@ -222,13 +226,13 @@ def make(results: Results) -> Report:
             "label": label,
             "scene": scene,
             "tolerance": t,
-            "seconds": found[label, scene, t].seconds,
-            "read_from": found[label, scene, t].read_from,
+            "seconds": reaches[label, scene, t].seconds,
+            "read_from": reaches[label, scene, t].read_from,
             "pairs_reached": reached[label, t],
             "mean_seconds": average[label, t].value,
             "mean_low": average[label, t].low,
             "mean_high": average[label, t].high,
-            **found[label, scene, t].work,
+            **reaches[label, scene, t].work,
             "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan,
         }
         for solver, label in labels
@@ -236,7 +240,7 @@ def make(results: Results) -> Report:
         for t in TOLERANCES
     ]
     return Report(
-        lambda: draw(labels, len(scenes), average, reached, asked, paper),
+        lambda: draw(labels, len(scenes), average, reached, requested, paper),
         table,
         records,
         clock="Times read off a trace are wall time; for the other solvers: " + clock_note(results)
@@ -245,7 +249,7 @@ def make(results: Results) -> Report:
     )
 
 
-def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
+def unreached(labels: list[tuple[str, str]], scenes: list[str], reaches: Reaches) -> str:
     """Says on which pairs tolerances were not reached, and why: 'CGAL: crown timeout (1e-7,
     1e-8).'"""
     parts = []
@@ -253,12 +257,12 @@ def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) ->
         why: dict[str, list[str]] = {}
         for scene in scenes:
             for k, t in enumerate(TOLERANCES, start=1):
-                reached = found[label, scene, t]
+                reached = reaches[label, scene, t]
                 if np.isnan(reached.seconds) and reached.read_from != "not asked":
                     word = style.status_word(reached.read_from)
                     why.setdefault(f"{scene} {word}", []).append(f"1e-{k}")
         if why:
-            each = "; ".join(f"{what} ({', '.join(where)})" for what, where in why.items())
+            each = "; ".join(f"{failure} ({', '.join(where)})" for failure, where in why.items())
             parts.append(f"{style.title(solver, label)}: {each}.")
     return " ".join(parts)
 
@@ -284,16 +288,15 @@ def draw(
     pairs: int,
     average: dict[tuple[str, float], Estimate],
     reached: dict[tuple[str, float], int],
-    asked: set[tuple[str, float]],
+    requested: set[tuple[str, float]],
     paper: dict[str, float],
 ) -> Any:
     """Draws the mean time at tolerances reached on all pairs. A strip on top shows the number of
     pairs at the others."""
-    missing = [
-        pair
-        for pair in labels
-        if any(reached[pair[1], t] < pairs for t in TOLERANCES if (pair[1], t) in asked)
-    ]
+    missing = []
+    for solver, label in labels:
+        if any(reached[label, t] < pairs for t in TOLERANCES if (label, t) in requested):
+            missing.append((solver, label))
     strip = 0.14 * len(missing)
     figure, (top, ax) = plt.subplots(
         2,
@@ -319,7 +322,7 @@ def draw(
             ax.plot([TOLERANCES[-1] / 10], [paper[label] * 1e3], **style.open_marker(looks))
     for row, (solver, label) in enumerate(missing):
         looks = style.look(solver, label)
-        for t in (t for t in TOLERANCES if reached[label, t] < pairs and (label, t) in asked):
+        for t in (t for t in TOLERANCES if reached[label, t] < pairs and (label, t) in requested):
             top.plot([t * 1.25], [row], **style.open_marker(looks))
             top.text(
                 t / 1.35,

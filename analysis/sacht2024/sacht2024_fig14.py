@@ -54,8 +54,8 @@ class Outlier:
     def ratio(self) -> Bounded:
         return time_ratio(self.slow, self.fast)
 
-    def counted(self, what: str) -> Bounded:
-        return work_ratio(self.slow, self.fast, what)
+    def counted(self, measure: str) -> Bounded:
+        return work_ratio(self.slow, self.fast, measure)
 
 
 def collect(results: Results) -> list[Outlier]:
@@ -70,16 +70,17 @@ def collect(results: Results) -> list[Outlier]:
     ]
 
 
-def verdicts(found: list[Outlier]) -> list[Verdict]:
+def verdicts(outliers: list[Outlier]) -> list[Verdict]:
     """Judges the claims at the finest tolerance, which the paper uses."""
-    finest = [x for x in found if x.tolerance == min(y.tolerance for y in found)]
+    tolerance = min((x.tolerance for x in outliers), default=0.0)
+    finest = [x for x in outliers if x.tolerance == tolerance]
     by_scene = {x.scene: x for x in finest}
 
-    def one(name: str, scene: str, times: float, turned: bool) -> Verdict:
+    def judge(name: str, scene: str, times: float, turned: bool) -> Verdict:
         claim = claims.of("sacht2024", name, scene)
         x = by_scene.get(scene, Outlier(scene, 0.0, None, None))
         pair = (x.fast, x.slow) if turned else (x.slow, x.fast)
-        return in_time_and_work(lambda what: above(claim, ratio_of(*pair, what), times))
+        return in_time_and_work(lambda measure: above(claim, ratio_of(*pair, measure), times))
 
     slower = [
         x
@@ -96,14 +97,14 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
         if x.fast
     ]
     return [
-        one("thousands", *THOUSANDS, False),
-        one("twentieth", *TWENTIETH, True),
+        judge("thousands", *THOUSANDS, False),
+        judge("twentieth", *TWENTIETH, True),
         most_of(claims.of("sacht2024", "slower_is_fast"), short, "pairs on which it is slower"),
     ]
 
 
 def make(results: Results) -> Report:
-    found, cases = collect(results), results.cases
+    outliers = collect(results)
     unit, scale = "ms", 1e3
     names = [style.title(label) for label in (SLOW, FAST)]
     table = tables.Table(
@@ -116,23 +117,25 @@ def make(results: Results) -> Report:
             "tolerance",
             *names,
             " / ".join(names),
-            *[f"{what}: ratio" for what in MEASURES],
+            *[f"{measure}: ratio" for measure in MEASURES],
         ],
         left=1,
     )
     records: list[tables.Record] = []
-    for x in found:
+    for x in outliers:
         row = results.rows(scene=x.scene)[0]
         share = results.share(row)
+        times = [each.text(scale) if each else numerals.NOTHING for each in (x.slow, x.fast)]
+        work_ratios = [x.counted(measure).text() for measure in MEASURES]
         table.rows.append(
             [
                 x.scene,
                 results.sizes(row),
                 percent(share),
                 f"{x.tolerance:g}",
-                *[each.text(scale) if each else numerals.NOTHING for each in (x.slow, x.fast)],
+                *times,
                 x.ratio.text(),
-                *[x.counted(what).text() for what in MEASURES],
+                *work_ratios,
             ]
         )
         records.append(
@@ -150,7 +153,7 @@ def make(results: Results) -> Report:
                 },
             }
         )
-    table.verdicts = verdicts(found)
+    table.verdicts = verdicts(outliers)
     table.notes = [
         *scene_notes(results),
         "If B is flat but its edges differ from those of A, a piece of A that crosses an edge of B lies in no single triangle of B. Zheng's "
@@ -159,7 +162,7 @@ def make(results: Results) -> Report:
         "nearly the same, the barycentre that Zheng measures settles pieces that u1 to u4 subdivide.",
         "'> n': stopped at its limit of time or of subdivisions. The ratio of its time until then to the upper end of the other's interval is a "
         "lower bound, and its work is what it had counted so far.",
-        tables.coverage_note(each.time for x in found for each in (x.slow, x.fast) if each),
+        tables.coverage_note(each.time for x in outliers for each in (x.slow, x.fast) if each),
         "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a twentieth as fast "
         "on a third, on which both take less than a millisecond, as in most of the cases in which it is slower; MacBook Air M2, 8 GB.",
         f"Here: {machine_line(results)}.",
@@ -169,18 +172,18 @@ def make(results: Results) -> Report:
         "Sacht and Jacobson 2024). Dotted: the paper's values for its pairs (a) to (c)."
     )
     return Report(
-        lambda: draw(results, found, clock_word(results)), table, records, caption=caption
+        lambda: draw(results, outliers, clock_word(results)), table, records, caption=caption
     )
 
 
-def draw(results: Results, found: list[Outlier], clock: str) -> Any:
+def draw(results: Results, outliers: list[Outlier], clock: str) -> Any:
     """Draws the pairs, and below them the ratio of times for each pair, with a marker for each
     tolerance.
 
     Arrows mark lower bounds on a ratio; lines are the ratios of the paper.
     """
-    scenes = list(dict.fromkeys(x.scene for x in found))
-    tolerances = sorted({x.tolerance for x in found}, reverse=True)
+    scenes = list(dict.fromkeys(x.scene for x in outliers))
+    tolerances = sorted({x.tolerance for x in outliers}, reverse=True)
     pairs, high = sacht_gallery.meshes_of(results, scenes), 0.9 + 0.33 * len(scenes)
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, high + (GALLERY if pairs else 0.0)))
     grid = figure.add_gridspec(
@@ -197,7 +200,7 @@ def draw(results: Results, found: list[Outlier], clock: str) -> Any:
         )
     ax = figure.add_subplot(grid[-1])
     colours = plt.get_cmap("viridis")(np.linspace(0.75, 0.1, len(tolerances)))
-    for x in found:
+    for x in outliers:
         k = tolerances.index(x.tolerance)
         y, colour, ratio = (
             scenes.index(x.scene) + 0.14 * (k - 0.5 * (len(tolerances) - 1)),

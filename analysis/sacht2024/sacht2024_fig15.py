@@ -65,7 +65,7 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
     return [
         long("Sacht", "sacht"),
         long("Zheng", "zheng"),
-        in_time_and_work(lambda what: above(finer, ratio_of(fine, coarse, what), 1)),
+        in_time_and_work(lambda measure: above(finer, ratio_of(fine, coarse, measure), 1)),
     ]
 
 
@@ -95,9 +95,9 @@ def make(results: Results) -> Report:
             ratio = time_ratio(*[find(results, rows, scene, label, t) for t in (FINE, COARSE)])
             for t in (t for t in tolerances if (scene, label, t) in rows):
                 row = rows[scene, label, t]
-                found, diagonal = row_of(results, row), float(cases.source_diagonal[row])
+                answer, diagonal = row_of(results, row), float(cases.source_diagonal[row])
                 low, high = float(cases.lower[row]) / diagonal, float(cases.upper[row]) / diagonal
-                work = found.work["distances, bounds and nodes"]
+                work = answer.work["distances, bounds and nodes"]
                 table.rows.append(
                     [
                         scene,
@@ -105,7 +105,7 @@ def make(results: Results) -> Report:
                         f"{t:g}",
                         numerals.at_least(cases.lower[row], 5, over=diagonal),
                         numerals.at_most(cases.upper[row], 5, over=diagonal),
-                        found.text(1e3),
+                        answer.text(1e3),
                         f"{work:,.0f}" if work else numerals.NOTHING,
                         f"{cases.counters['subdivisions'][row]:,}" if work else numerals.NOTHING,
                         ratio.text() if t == FINE else "",
@@ -116,13 +116,13 @@ def make(results: Results) -> Report:
                         "scene": scene,
                         "label": label,
                         "tolerance": t,
-                        "status": found.status,
+                        "status": answer.status,
                         "lower": low,
                         "upper": high,
-                        "seconds": found.time.value,
-                        "low_seconds": found.time.low,
-                        "high_seconds": found.time.high,
-                        "stopped_seconds": found.limit,
+                        "seconds": answer.time.value,
+                        "low_seconds": answer.time.low,
+                        "high_seconds": answer.time.high,
+                        "stopped_seconds": answer.limit,
                         "work": work,
                     }
                 )
@@ -188,22 +188,22 @@ def draw(
         for y, (solver, label) in enumerate(labels):
             looks = style.look(solver, label)
             for k, t in enumerate(tolerances):
-                found = find(results, rows, scene, label, t)
-                if found is None:
+                answer = find(results, rows, scene, label, t)
+                if answer is None:
                     continue
                 at = y + 0.24 * (k - 0.5 * (len(tolerances) - 1))
                 marker = (
                     style.filled_marker(looks) if t == min(tolerances) else style.open_marker(looks)
                 )
-                if found.time.n:
-                    style.interval(ax, found.time, at, 1e3, color=looks.colour, linewidth=1.4)
-                    ax.plot(1e3 * found.time.value, at, **marker)
-                elif found.limit:
-                    ax.plot(1e3 * found.limit, at, **(marker | {"marker": ">"}))
+                if answer.time.n:
+                    style.interval(ax, answer.time, at, 1e3, color=looks.colour, linewidth=1.4)
+                    ax.plot(1e3 * answer.time.value, at, **marker)
+                elif answer.limit:
+                    ax.plot(1e3 * answer.limit, at, **(marker | {"marker": ">"}))
                     ax.annotate(
                         "",
                         (0.99, at),
-                        (1e3 * found.limit, at),
+                        (1e3 * answer.limit, at),
                         xycoords=("axes fraction", "data"),
                         textcoords="data",
                         arrowprops={
@@ -216,7 +216,7 @@ def draw(
                     )
                     ax.annotate(
                         "stopped",
-                        (1e3 * found.limit, at),
+                        (1e3 * answer.limit, at),
                         xytext=(-5, -2),
                         textcoords="offset points",
                         fontsize=6,
@@ -227,7 +227,7 @@ def draw(
                     ax.text(
                         0.98,
                         at,
-                        f"{style.status_word(found.status)}, {t:g}",
+                        f"{style.status_word(answer.status)}, {t:g}",
                         fontsize=6,
                         ha="right",
                         va="center",

@@ -53,13 +53,13 @@ class Pair:
     def both(self) -> bool:
         return not self.over(FAST) and not self.over(SLOW)
 
-    def ratio(self, what: str = "") -> float:
-        """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[what]; NaN if one of the
+    def ratio(self, measure: str = "") -> float:
+        """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[measure]; NaN if one of the
         two has none."""
         if not self.both:
             return np.nan
         pair = self.cells[SLOW], self.cells[FAST]
-        return (compare_work(*pair, MEASURES[what]) if what else compare(*pair)).value
+        return (compare_work(*pair, MEASURES[measure]) if measure else compare(*pair)).value
 
 
 class Pairs:
@@ -90,40 +90,39 @@ class Pairs:
                 )
             )
 
-    def ratios(self, what: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
-        known = (pair.ratio(what) for pair in (self.pairs if pairs is None else pairs))
-        return [ratio for ratio in known if np.isfinite(ratio) and ratio > 0]
+    def ratios(self, measure: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
+        ratios = (pair.ratio(measure) for pair in (self.pairs if pairs is None else pairs))
+        return [ratio for ratio in ratios if np.isfinite(ratio) and ratio > 0]
 
     def why_apart(self) -> str:
         """Returns why the times of some pair are not comparable; empty if all are."""
-        found = (
+        reasons = (
             reason_apart(pair.cells[SLOW].origins | pair.cells[FAST].origins)
             for pair in self.pairs
             if pair.both
         )
-        return next(filter(None, found), "")
+        return next(filter(None, reasons), "")
 
     def over(self, solver: str, pairs: Sequence[Pair] | None = None) -> int:
         return sum(pair.over(solver) for pair in (self.pairs if pairs is None else pairs))
 
 
-def verdicts(found: Pairs) -> list[Verdict]:
+def verdicts(measured: Pairs) -> list[Verdict]:
     """Judges the claims of the figure. Claims about means are judged in time and in counted
     work."""
 
-    def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
+    def means(name: str, mean: Any, bar: float, kind: str) -> Verdict:
         claim = claims.of("sacht2024", name)
         return in_time_and_work(
             lambda measure: Verdict(claim, UNTESTED, f"times {why}")
             if why and not measure
-            else mean_at_least(claim, mean(found.ratios(measure)), bar, what)
+            else mean_at_least(claim, mean(measured.ratios(measure)), bar, kind)
         )
 
-    why = found.why_apart()
-    done = {
-        solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool)
-        for solver in (FAST, SLOW)
-    }
+    why = measured.why_apart()
+    done = {}
+    for solver in (FAST, SLOW):
+        done[solver] = np.array([not pair.over(solver) for pair in measured.pairs], dtype=bool)
     return [
         means("faster", geometric_mean, 1.0, "geometric mean"),
         means("sixteen_geometric", geometric_mean, PAPER, "geometric mean"),
@@ -135,23 +134,23 @@ def verdicts(found: Pairs) -> list[Verdict]:
             {"Zheng": done[SLOW]},
             "ends on",
         ),
-        nearer_more(found),
+        nearer_more(measured),
     ]
 
 
-def nearer_more(found: Pairs) -> Verdict:
+def nearer_more(measured: Pairs) -> Verdict:
     """Judges the claim that Sacht's method subdivides more (per triangle of A) on nearer pairs,
     among the pairs it finished."""
-    known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
-    return rising(
-        claims.of("sacht2024", "nearer_more"),
-        [-pair.distance for pair in known],
-        [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known],
-    )
+    ended = [pair for pair in measured.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
+    nearness = [-pair.distance for pair in ended]
+    subdivisions = [
+        pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in ended
+    ]
+    return rising(claims.of("sacht2024", "nearer_more"), nearness, subdivisions)
 
 
 def make(results: Results) -> Report:
-    found = Pairs(results)
+    measured = Pairs(results)
     word = clock_word(results)
     table = tables.Table(
         f"{word[0].upper()}{word[1:]} of Zheng divided by Sacht's, to a gap of 1e-8 of the diagonal of A, by the number of triangles of A; A is a mesh and B "
@@ -166,11 +165,11 @@ def make(results: Results) -> Report:
             "least",
             "greatest",
             "Sacht faster, %",
-            *[f"{what}: geometric mean" for what in MEASURES],
+            *[f"{measure}: geometric mean" for measure in MEASURES],
         ],
     )
     for low, high in (*SIZES, (0, 10**12)):
-        part = [pair for pair in found.pairs if low <= pair.triangles < high]
+        part = [pair for pair in measured.pairs if low <= pair.triangles < high]
         if not part:
             continue
         table.rules |= {len(table.rows)} if (low, high) == (0, 10**12) else set()
@@ -178,10 +177,13 @@ def make(results: Results) -> Report:
             [
                 size_text(low, high),
                 str(len(part)),
-                str(found.over(SLOW, part)),
-                str(found.over(FAST, part)),
-                *numbers_of(found.ratios("", part)),
-                *[numerals.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES],
+                str(measured.over(SLOW, part)),
+                str(measured.over(FAST, part)),
+                *numbers_of(measured.ratios("", part)),
+                *[
+                    numerals.estimate(geometric_mean(measured.ratios(measure, part)))
+                    for measure in MEASURES
+                ],
             ]
         )
     table.rows.append(
@@ -195,38 +197,40 @@ def make(results: Results) -> Report:
             *[numerals.NOTHING] * (3 + len(MEASURES)),
         ]
     )
-    table.verdicts = verdicts(found)
+    table.verdicts = verdicts(measured)
     table.notes = [
-        *notes(found),
+        *notes(measured),
         "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's decimation. "
         "Both solvers are ours, written after the papers, with the same kernels and trees; the paper compares two programs.",
         "Time covers preparing and the first answer: the median of "
-        + rounds_text(found)
+        + rounds_text(measured)
         + "; ratios are paired by round.",
         f"Here: {machine_line(results)}.",
     ]
-    records: list[tables.Record] = [
-        {
-            "scene": pair.scene,
-            "triangles": pair.triangles,
-            "solver": solver,
-            "status": cell.status(),
-            "n": cell.time.n,
-            "seconds": cell.time.value,
-            "ratio": pair.ratio(),
-            **{f"ratio: {what}": pair.ratio(what) for what in MEASURES},
-            **cell.counters,
-        }
-        for pair in found.pairs
-        for solver, cell in pair.cells.items()
-    ]
-    records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return Report(lambda: draw(found), table, records)
+    records: list[tables.Record] = []
+    for pair in measured.pairs:
+        work_ratios = {f"ratio: {measure}": pair.ratio(measure) for measure in MEASURES}
+        for solver, cell in pair.cells.items():
+            records.append(
+                {
+                    "scene": pair.scene,
+                    "triangles": pair.triangles,
+                    "solver": solver,
+                    "status": cell.status(),
+                    "n": cell.time.n,
+                    "seconds": cell.time.value,
+                    "ratio": pair.ratio(),
+                    **work_ratios,
+                    **cell.counters,
+                }
+            )
+    records += [{"scene": scene, "status": why} for scene, why in measured.lost.items()]
+    return Report(lambda: draw(measured), table, records)
 
 
-def rounds_text(found: Pairs) -> str:
+def rounds_text(measured: Pairs) -> str:
     counts = sorted(
-        {cell.time.n for pair in found.pairs for cell in pair.cells.values() if cell.time.n}
+        {cell.time.n for pair in measured.pairs for cell in pair.cells.values() if cell.time.n}
     )
     return (
         "no rounds"
@@ -257,26 +261,30 @@ def numbers_of(ratios: Sequence[float]) -> list[str]:
     ]
 
 
-def notes(found: Pairs) -> list[str]:
+def notes(measured: Pairs) -> list[str]:
     """Returns notes on how the means were computed, and on the pairs that they leave out."""
-    limits = sorted({pair.limit for pair in found.pairs})
-    left = [pair for pair in found.pairs if not pair.both]
+    limits = sorted({pair.limit for pair in measured.pairs})
+    left = [pair for pair in measured.pairs if not pair.both]
     text = (
         f"Means are over the pairs that both solvers finished within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. Brackets: Student's "
         "interval over pairs (of logarithms for the geometric mean). "
     )
     if left:
-        shown = [
-            f"{pair.scene} ({', '.join(f'{s} {pair.cells[s].failure_text()}' for s in (SLOW, FAST) if pair.over(s))})"
-            for pair in left[:8]
-        ]
+        shown = []
+        for pair in left[:8]:
+            failures = ", ".join(
+                f"{solver} {pair.cells[solver].failure_text()}"
+                for solver in (SLOW, FAST)
+                if pair.over(solver)
+            )
+            shown.append(f"{pair.scene} ({failures})")
         text += (
             f"Left out: {', '.join(shown)}"
             + (f" and {len(left) - 8} more" if len(left) > 8 else "")
             + "."
         )
     ranked = sorted(
-        (pair for pair in found.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio
+        (pair for pair in measured.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio
     )
     ends = [
         f"{pair.scene} {numerals.number(pair.ratio())} ({numerals.number(1e3 * pair.seconds(SLOW))} against "
@@ -291,26 +299,28 @@ def notes(found: Pairs) -> list[str]:
             else []
         ),
     ]
-    if found.lost:
-        some = "; ".join(f"{scene}: {why}" for scene, why in list(found.lost.items())[:3])
-        lines.append(f"{len(found.lost)} pairs have no rows with an answer ({some}).")
+    if measured.lost:
+        some = "; ".join(f"{scene}: {why}" for scene, why in list(measured.lost.items())[:3])
+        lines.append(f"{len(measured.lost)} pairs have no rows with an answer ({some}).")
     return lines
 
 
-def draw(found: Pairs) -> Any:
+def draw(measured: Pairs) -> Any:
     """Draws one point per pair; times on the left, counted work on the right."""
     figure, axes = plt.subplots(1, 2, sharey=True, figsize=(style.DOUBLE_COLUMN, 2.7))
     looks, work = style.look(FAST), list(MEASURES)[-1]
-    many = len(found.pairs) > 60
-    for ax, what in zip(axes, ("", work)):
-        known = [
-            (pair.triangles, pair.ratio(what))
-            for pair in found.pairs
-            if pair.both and pair.ratio(what) > 0
+    many = len(measured.pairs) > 60
+    for ax, measure in zip(axes, ("", work)):
+        points = [
+            (pair.triangles, pair.ratio(measure))
+            for pair in measured.pairs
+            if pair.both and pair.ratio(measure) > 0
         ]
+        triangles = [x for x, _ in points]
+        ratios = [y for _, y in points]
         ax.plot(
-            [x for x, _ in known],
-            [y for _, y in known],
+            triangles,
+            ratios,
             "o",
             color=looks.colour,
             markersize=2.6 if many else 4.0,
@@ -318,7 +328,7 @@ def draw(found: Pairs) -> Any:
             markeredgewidth=0.25,
             zorder=3,
         )
-        mean: Estimate = geometric_mean([y for _, y in known])
+        mean: Estimate = geometric_mean(ratios)
         ax.axhline(1, color="black", linewidth=0.6, zorder=1)
         ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, zorder=1)
         if mean.n:
@@ -331,9 +341,9 @@ def draw(found: Pairs) -> Any:
             xscale="log",
             yscale="log",
             xlabel="triangles of A",
-            title=f"counted {work}" if what else total_word(found.results),
+            title=f"counted {work}" if measure else total_word(measured.results),
         )
-    for pair in found.pairs:  # one was stopped: an arrow, as the true ratio is farther out
+    for pair in measured.pairs:  # one was stopped: an arrow, as the true ratio is farther out
         late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
         if len(late) == 1 and pair.late(late[0]):
             seconds = [
@@ -353,7 +363,7 @@ def draw(found: Pairs) -> Any:
     low, high = axes[0].get_ylim()
     axes[0].set_ylim(min(low, 0.5), max(high, 30))
     narrow = axes[0].get_ylim()[1] / axes[0].get_ylim()[0] < 300
-    sizes = [pair.triangles for pair in found.pairs] or [1000]
+    sizes = [pair.triangles for pair in measured.pairs] or [1000]
     for ax in axes:
         ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
         scales.log_ticks(ax.xaxis)
@@ -367,8 +377,8 @@ def draw(found: Pairs) -> Any:
             [], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair"
         )
     ]
-    for slow, other, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
-        if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
+    for slow, fast, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
+        if any(pair.late(slow) and not pair.over(fast) for pair in measured.pairs):
             entries.append(
                 Line2D(
                     [],

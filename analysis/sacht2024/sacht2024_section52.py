@@ -54,8 +54,8 @@ def problem(results: Results, row: int) -> str:
 
 
 def text(results: Results, row: int) -> str:
-    if found := problem(results, row):
-        return found
+    if failure := problem(results, row):
+        return failure
     cases, status = results.cases, results.cases.status[row]
     gap = results.gap(row) / float(cases.source_diagonal[row])
     return (
@@ -70,17 +70,17 @@ def certified(results: Results, scene: str) -> list[int]:
 def verdicts(results: Results) -> list[Verdict]:
     """Judges a claim for each scene by counting failures, without statistics, because rows are
     deterministic."""
-    found = []
+    judged = []
     for scene in results.scenes:
         rows = certified(results, scene)
         bad = [row for row in rows if problem(results, row)]
-        found.append(
+        judged.append(
             all_of(
                 claims.of("hausbench", "bounds_hold", scene), len(bad), len(rows), len(rows), "rows"
             )
         )
     return [
-        *found,
+        *judged,
         reached(results),
         *[
             without_problem(results, name, rows)
@@ -136,7 +136,7 @@ def make(results: Results) -> Report:
     )
     for scene in scenes:
         first = results.rows(scene=scene)[0]
-        known = numerals.bounds(
+        distance = numerals.bounds(
             *results.reference(scene), 4, over=float(cases.source_diagonal[first])
         )
         for t in sorted({float(cases.tolerance[row]) for row in results.rows(scene=scene)}):
@@ -146,7 +146,9 @@ def make(results: Results) -> Report:
                 else numerals.NOTHING
                 for _, label in labels
             ]
-            table.rows.append([scene, THEIRS.get(scene, numerals.NOTHING), f"{t:g}", known, *cells])
+            table.rows.append(
+                [scene, THEIRS.get(scene, numerals.NOTHING), f"{t:g}", distance, *cells]
+            )
     table.verdicts = verdicts(results)
     table.notes = [
         *scene_notes(results),

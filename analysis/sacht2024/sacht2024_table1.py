@@ -20,10 +20,10 @@ def topology(results: Results, model: str) -> str:
     """Returns 'closed' or 'open', and whether the mesh is a manifold; a dash if the model is
     missing."""
     try:
-        found = shapes.mesh(results, model)
+        mesh = shapes.mesh(results, model)
     except ResultError:
         return numerals.NOTHING
-    return ("closed" if found.closed else "open") + ("" if found.manifold else ", not a manifold")
+    return ("closed" if mesh.closed else "open") + ("" if mesh.manifold else ", not a manifold")
 
 
 def share(results: Results, scene: str, quantity: str) -> float:
@@ -60,18 +60,20 @@ def make(results: Results) -> Report:
         models = [str(column[row]) for column in (cases.source, cases.target)]
         shapes = [topology(results, model) for model in models]
         sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
-        counted = [
+        paper_sizes = [
             int(paper[key]) if key in paper else -1
             for key in ("source_elements", "target_elements")
         ]
         distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]
+        size_texts = [f"{n:,}" for n in sizes]
+        paper_size_texts = [f"{n:,}" if n >= 0 else numerals.NOTHING for n in paper_sizes]
         table.rows.append(
             [
                 named(scene),
                 *models,
                 *shapes,
-                *[f"{n:,}" for n in sizes],
-                *[f"{n:,}" if n >= 0 else numerals.NOTHING for n in counted],
+                *size_texts,
+                *paper_size_texts,
                 numerals.number(float(cases.source_diagonal[row])),
                 *map(percent, distances),
             ]
@@ -85,8 +87,8 @@ def make(results: Results) -> Report:
                 "target_is": shapes[1],
                 "source_elements": sizes[0],
                 "target_elements": sizes[1],
-                "paper_source_elements": counted[0],
-                "paper_target_elements": counted[1],
+                "paper_source_elements": paper_sizes[0],
+                "paper_target_elements": paper_sizes[1],
                 "source_diagonal": float(cases.source_diagonal[row]),
                 "directed_share": distances[0],
                 "symmetric_share": distances[1],

@@ -19,22 +19,18 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
     The claim that the paper's method is the fastest is judged on the former only.
     """
-    groups = {
-        "near zero": [scene for scene in pairs.scenes if scene in pairs.papers],
-        "nearer than 0.1 %": [scene for scene in pairs.scenes if scene not in pairs.papers],
-    }
-    found = [
+    printed = [scene for scene in pairs.scenes if scene in pairs.papers]
+    derived = [scene for scene in pairs.scenes if scene not in pairs.papers]
+    judged = [
         pairs.average(claims.of("sacht2024", "kang_near", group=group), "zheng", "kang", 1, scenes)
-        for group, scenes in groups.items()
+        for group, scenes in (("near zero", printed), ("nearer than 0.1 %", derived))
     ]
-    found += [
-        pairs.less(
-            claims.of("sacht2024", "fastest_near", rival=rival), label, "sacht", groups["near zero"]
-        )
+    judged += [
+        pairs.less(claims.of("sacht2024", "fastest_near", rival=rival), label, "sacht", printed)
         for rival, label in (("Kang", "kang"), ("Zheng", "zheng"))
     ]
     return [
-        *found,
+        *judged,
         pairs.average(claims.of("sacht2024", "zheng_tang"), "tang", "zheng"),
         pairs.average(claims.of("sacht2024", "zheng_tang_438"), "tang", "zheng", PAPER),
         pairs.average(claims.of("sacht2024", "sacht_tang"), "tang", "sacht"),

@@ -15,16 +15,16 @@ PITCH: Final = 1.15  # distance between mesh centres, in sizes of a mesh
 
 def meshes_of(results: Results, scenes: Sequence[str]) -> dict[str, tuple[Mesh, Mesh]]:
     """Returns A and B of each scene, without scenes whose shapes are not in the cache."""
-    found = {}
+    meshes = {}
     for scene in scenes:
         row = results.rows(scene=scene)[0]
         try:
-            found[scene] = shapes.mesh(results, results.cases.source[row]), shapes.mesh(
+            meshes[scene] = shapes.mesh(results, results.cases.source[row]), shapes.mesh(
                 results, results.cases.target[row]
             )
         except ResultError:
             continue
-    return found
+    return meshes
 
 
 def draw(

@@ -48,10 +48,11 @@ class Row:
 
 def row_of(results: Results, row: int) -> Row:
     cases, status = results.cases, results.cases.status[row]
-    work = {
-        what: float(sum(int(cases.counters[name][row]) for name in names if name in cases.counters))
-        for what, names in MEASURES.items()
-    }
+    work = {}
+    for measure, names in MEASURES.items():
+        work[measure] = float(
+            sum(int(cases.counters[name][row]) for name in names if name in cases.counters)
+        )
     times = results.total_by_round(row)
     # The time of a killed solver is unknown. The limit cannot replace it: it is wall time, so CPU
     # time may be less.
@@ -100,12 +101,12 @@ def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
     return Bounded()
 
 
-def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
+def work_ratio(slow: Row | None, fast: Row | None, measure: str) -> Bounded:
     """Returns the ratio of counted work, or a bound if one was stopped, because its count is then
     only a lower bound."""
-    if slow is None or fast is None or min(slow.work[what], fast.work[what]) <= 0:
+    if slow is None or fast is None or min(slow.work[measure], fast.work[measure]) <= 0:
         return Bounded()
-    ratio = slow.work[what] / fast.work[what]
+    ratio = slow.work[measure] / fast.work[measure]
     if slow.ended and fast.ended:
         return Bounded(exact(ratio))
     return (
@@ -117,9 +118,9 @@ def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
     )
 
 
-def ratio_of(slow: Row | None, fast: Row | None, what: str) -> Bounded:
-    """Returns the ratio of times, or of counts MEASURES[what]."""
-    return work_ratio(slow, fast, what) if what else time_ratio(slow, fast)
+def ratio_of(slow: Row | None, fast: Row | None, measure: str) -> Bounded:
+    """Returns the ratio of times, or of counts MEASURES[measure]."""
+    return work_ratio(slow, fast, measure) if measure else time_ratio(slow, fast)
 
 
 def above(claim: str, ratio: Bounded, times: float) -> Verdict:

@@ -46,15 +46,17 @@ class Pairs(Grid):
         super().__init__(results)
         self.printed = paper_numbers(results.stem)
         unit = SECOND[self.printed["unit"]]
-        self.papers: dict[str, dict[str, Any]] = {
-            row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}}
-            for row in self.printed["row"]
-        }
+        self.papers: dict[str, dict[str, Any]] = {}
+        for row in self.printed["row"]:
+            seconds = {label: row[label] * unit for label in PRINTED}
+            self.papers[row["scene"]] = {**row, **seconds}
 
     def less_on(self, claim: str, slow: str, fast: str, scene: str) -> Verdict:
         """Judges the claim that `fast` takes less than `slow` on one pair, in time and in counted
         work."""
-        return in_time_and_work(lambda what: above_one(claim, self.ratio(scene, slow, fast, what)))
+        return in_time_and_work(
+            lambda measure: above_one(claim, self.ratio(scene, slow, fast, measure))
+        )
 
     def average(
         self,
@@ -68,8 +70,8 @@ class Pairs(Grid):
         and in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(
-            lambda what: on_average(
-                claim, [self.ratio(scene, slow, fast, what) for scene in among], bar
+            lambda measure: on_average(
+                claim, [self.ratio(scene, slow, fast, measure) for scene in among], bar
             )
         )
 
@@ -85,7 +87,7 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Spec:
-    what: str  # for the caption
+    subject: str  # for the caption
     verdicts: Callable[[Pairs], list[Verdict]]
     notes: Sequence[str] = ()
     ratios: Sequence[Ratio] = RATIOS
@@ -99,7 +101,7 @@ def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = numerals.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(
-        f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
+        f"{total_title(results)}, {unit}: {spec.subject}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
         "Jacobson 2024, with the counted work.",
         ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(), *map(title, spec.ratios)],
         left=2,
@@ -109,20 +111,21 @@ def make(spec: Spec, results: Results) -> Report:
         table.rules.add(len(table.rows))
         table.rows += rows_of(pairs, spec.ratios, scene, scale)
     table.verdicts = spec.verdicts(pairs)
+    tolerances = ", ".join(f"{t:g}" for t in results.in_order("tolerance"))
     table.notes = [
         *spec.notes,
         *scene_notes(results),
         tables.coverage_note(cell.time for cell in pairs.cells.values())
         + " Preparation is included, loading is not.",
         "Ratios are paired by round. The solvers count distances, bounds and nodes, which are the same on every machine; CGAL counts nothing.",
-        f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
+        f"Tolerance {tolerances} of the diagonal of A.",
         f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: measured on another machine, with its authors' programs.",
         f"Here: {machine_line(results)}.",
         "A dash: not part of the experiment, or not in the paper.",
     ]
     beside = " Open: as printed in the paper, on another machine." if tests_claims(results) else ""
     caption = (
-        f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
+        f"{total_title(results)}, s, on {spec.subject}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
         f"interval.{beside}"
     )
     return Report(
@@ -146,49 +149,33 @@ def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> 
             *[numerals.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios],
         ]
     ]
-    for what, names in MEASURES.items():
-        rows.append(
-            [
-                "",
-                what,
-                "",
-                "",
-                *[count_text(cell, names) for cell in pairs.row(scene)],
-                *[numerals.ratio(pairs.ratio(scene, *ratio, what)) for ratio in ratios],
-            ]
-        )
+    for measure, names in MEASURES.items():
+        counts = [count_text(cell, names) for cell in pairs.row(scene)]
+        ratio_texts = [numerals.ratio(pairs.ratio(scene, *ratio, measure)) for ratio in ratios]
+        rows.append(["", measure, "", "", *counts, *ratio_texts])
     if paper:
         sizes = (
             f"{paper['source_elements']:,} / {paper['target_elements']:,}"
             if "source_elements" in paper
             else numerals.NOTHING
         )
-        rows.append(
-            [
-                "",
-                "paper",
-                sizes,
-                numerals.NOTHING,
-                *[
-                    f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
-                    for _, label in pairs.labels
-                ],
-                *[
-                    numerals.number(paper[a] / paper[b])
-                    if a in paper and b in paper
-                    else numerals.NOTHING
-                    for a, b in ratios
-                ],
-            ]
-        )
+        times = [
+            f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
+            for _, label in pairs.labels
+        ]
+        ratio_texts = [
+            numerals.number(paper[a] / paper[b]) if a in paper and b in paper else numerals.NOTHING
+            for a, b in ratios
+        ]
+        rows.append(["", "paper", sizes, numerals.NOTHING, *times, *ratio_texts])
     return rows
 
 
 def records(pairs: Pairs) -> list[tables.Record]:
-    cases, found = pairs.results.cases, list[tables.Record]()
+    cases, rows = pairs.results.cases, list[tables.Record]()
     for (scene, label), cell in pairs.cells.items():
         first = pairs.first(scene)
-        found.append(
+        rows.append(
             {
                 "scene": scene,
                 "label": label,
@@ -203,4 +190,4 @@ def records(pairs: Pairs) -> list[tables.Record]:
                 **cell.counters,
             }
         )
-    return found
+    return rows

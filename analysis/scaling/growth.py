@@ -104,10 +104,14 @@ def growth(
     A cost is large enough if it is at least `least`, and `fixed` times the cost of the smallest
     size.
     """
-    known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
-    bar = max([least, *[fixed * cost for _, cost in known[:1]]])
-    low = max((i + 1 for i, (_, cost) in enumerate(known) if cost < bar), default=0)
-    return Growth(tuple(n for n, _ in known[low:]), tuple(cost for _, cost in known[low:]))
+    measured = sorted(
+        (n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost)
+    )
+    bar = max([least, *[fixed * cost for _, cost in measured[:1]]])
+    low = max((i + 1 for i, (_, cost) in enumerate(measured) if cost < bar), default=0)
+    kept_sizes = tuple(n for n, _ in measured[low:])
+    kept_costs = tuple(cost for _, cost in measured[low:])
+    return Growth(kept_sizes, kept_costs)
 
 
 @dataclass(frozen=True)
@@ -152,26 +156,32 @@ def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
         )
     there = [row for row in rows if cases.status[row] == ANSWERS]
     first = [np.array(list(results.first_by_round(row).values())) for row in there]
+    sizes = tuple(elements(results, row) for row in there)
+    prepare = tuple(results.prepare_seconds(row) for row in there)
+    solve = tuple(float(np.median(seconds)) if len(seconds) else math.nan for seconds in first)
+    peak = tuple(
+        float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there
+    )
+    structures = tuple(
+        float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan
+        for row in there
+    )
+    lost = tuple(
+        (elements(results, row), str(cases.status[row]))
+        for row in rows
+        if cases.status[row] != ANSWERS
+    )
     return Curve(
         regime,
         solver,
         label,
         tuple(there),
-        tuple(elements(results, row) for row in there),
-        tuple(results.prepare_seconds(row) for row in there),
-        tuple(float(np.median(seconds)) if len(seconds) else math.nan for seconds in first),
-        tuple(
-            float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there
-        ),
-        tuple(
-            float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan
-            for row in there
-        ),
-        tuple(
-            (elements(results, row), str(cases.status[row]))
-            for row in rows
-            if cases.status[row] != ANSWERS
-        ),
+        sizes,
+        prepare,
+        solve,
+        peak,
+        structures,
+        lost,
         not reason_apart(origins(results, there)),
     )
 
@@ -206,64 +216,63 @@ def short(n: float) -> str:
 
 
 def make(results: Results) -> Report:
-    what, rival, remark = STEMS[results.stem]
-    found = curves(results)
-    by_regime = {
-        regime: [one for one in found if one.regime == regime]
-        for regime in dict.fromkeys(one.regime for one in found)
-    }
+    element, rival, remark = STEMS[results.stem]
+    drawn = curves(results)
+    by_regime: dict[str, list[Curve]] = {}
+    for curve in drawn:
+        by_regime.setdefault(curve.regime, []).append(curve)
     table = tables.Table(
-        f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size with an answer, and how they grow.",
+        f"Time and memory to prepare and solve against the number of {element}s, |A| + |B|: at the largest size with an answer, and how they grow.",
         [
             "regime",
             "solver",
             "answered",
-            f"prepare, ns per {what}",
+            f"prepare, ns per {element}",
             "grows as n^",
-            f"solve, ns per {what}",
+            f"solve, ns per {element}",
             "grows as n^",
-            f"peak, bytes per {what}",
+            f"peak, bytes per {element}",
             "grows as n^",
-            f"structures, bytes per {what}",
+            f"structures, bytes per {element}",
             f"peak, {style.title(rival)} / this",
         ],
         left=3,
     )
     records: list[tables.Record] = []
-    for own in by_regime.values():
+    for group in by_regime.values():
         table.rules.add(len(table.rows))
-        beside = next((one for one in own if one.label == rival), None)
-        for one in own:
+        beside = next((curve for curve in group if curve.label == rival), None)
+        for curve in group:
             grown = [
-                one.growth_of(one.prepare),
-                one.growth_of(one.solve),
-                growth(one.sizes, one.peak, LEAST_BYTES),
+                curve.growth_of(curve.prepare),
+                curve.growth_of(curve.solve),
+                growth(curve.sizes, curve.peak, LEAST_BYTES),
             ]
             table.rows.append(
                 [
-                    one.regime,
-                    one.title,
-                    answered(one),
-                    numerals.number(1e9 * one.last(one.prepare)),
+                    curve.regime,
+                    curve.title,
+                    answered(curve),
+                    numerals.number(1e9 * curve.last(curve.prepare)),
                     text(grown[0].exponent()),
-                    numerals.number(1e9 * one.last(one.solve)),
+                    numerals.number(1e9 * curve.last(curve.solve)),
                     text(grown[1].exponent()),
-                    numerals.number(one.last(one.peak)),
+                    numerals.number(curve.last(curve.peak)),
                     text(grown[2].exponent()),
-                    numerals.number(one.last(one.structures)),
-                    numerals.number(peak_ratio(beside, one)),
+                    numerals.number(curve.last(curve.structures)),
+                    numerals.number(peak_ratio(beside, curve)),
                 ]
             )
-            records += [record(one, i, grown) for i in range(len(one.sizes))]
+            records += [record(curve, i, grown) for i in range(len(curve.sizes))]
             records += [
                 {
-                    "regime": one.regime,
-                    "solver": one.solver,
-                    "label": one.label,
+                    "regime": curve.regime,
+                    "solver": curve.solver,
+                    "label": curve.label,
                     "elements": int(n),
                     "status": status,
                 }
-                for n, status in one.lost
+                for n, status in curve.lost
             ]
     table.notes = [
         "Peak: the resident set less the resident set before preparing, so without the shapes themselves; structures: the sizes that they report. "
@@ -276,51 +285,51 @@ def make(results: Results) -> Report:
         f"{machine_line(results)}.",
     ]
     return Report(
-        lambda: draw(by_regime, what),
+        lambda: draw(by_regime, element),
         table,
         records,
-        style.letters_key(status for one in found for _, status in one.lost),
+        style.letters_key(status for curve in drawn for _, status in curve.lost),
     )
 
 
-def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
+def record(curve: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
     fits = {
         f"{name}_{end}": getattr(fit.exponent(), end)
         for name, fit in zip(("prepare_exponent", "solve_exponent", "peak_exponent"), grown)
         for end in ("value", "low", "high")
     }
     return {
-        "regime": one.regime,
-        "solver": one.solver,
-        "label": one.label,
-        "elements": int(one.sizes[i]),
+        "regime": curve.regime,
+        "solver": curve.solver,
+        "label": curve.label,
+        "elements": int(curve.sizes[i]),
         "status": ANSWERS,
-        "prepare_seconds": one.prepare[i],
-        "solve_seconds": one.solve[i],
-        "peak_bytes": one.peak[i],
-        "structure_bytes": one.structures[i],
+        "prepare_seconds": curve.prepare[i],
+        "solve_seconds": curve.solve[i],
+        "peak_bytes": curve.peak[i],
+        "structure_bytes": curve.structures[i],
         **fits,
     }
 
 
-def answered(one: Curve) -> str:
+def answered(curve: Curve) -> str:
     """Returns the sizes that were answered, and the failures: '2K to 600K; timeout at 2M'."""
-    there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
+    there = f"{short(curve.sizes[0])} to {short(curve.sizes[-1])}" if curve.sizes else "none"
     return "; ".join(
-        [there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]]
+        [there, *[f"{style.status_word(status)} at {short(n)}" for n, status in curve.lost]]
     )
 
 
-def peak_ratio(rival: Curve | None, one: Curve) -> float:
+def peak_ratio(rival: Curve | None, curve: Curve) -> float:
     """Returns the rival's peak memory / the solver's, at the largest size at which both are at
     least LEAST_BYTES."""
-    if rival is None or rival is one:
+    if rival is None or rival is curve:
         return math.nan
-    theirs = dict(zip(rival.sizes, rival.peak))
+    rival_peak = dict(zip(rival.sizes, rival.peak))
     both = [
-        theirs[n] / peak
-        for n, peak in zip(one.sizes, one.peak)
-        if peak >= LEAST_BYTES and theirs.get(n, math.nan) >= LEAST_BYTES
+        rival_peak[n] / peak
+        for n, peak in zip(curve.sizes, curve.peak)
+        if peak >= LEAST_BYTES and rival_peak.get(n, math.nan) >= LEAST_BYTES
     ]
     return both[-1] if both else math.nan
 
@@ -348,7 +357,7 @@ def tick(axes: Iterable[Any]) -> None:
             scales.log_ticks(ax.yaxis)
 
 
-def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
+def draw(by_regime: dict[str, list[Curve]], element: str) -> Any:
     """Draws times to solve (filled marks) and to prepare (small open marks) above, and peak memory
     per element below."""
     figure, axes = plt.subplots(
@@ -359,29 +368,29 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
         sharey="row",
         squeeze=False,
     )
-    for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
+    for (regime, group), above, below in zip(by_regime.items(), axes[0], axes[1]):
         lost = []
-        for one in own:
-            looks = style.look(one.solver, one.label)
-            lost += [
-                (looks, style.status_letter(status))
-                for status in dict.fromkeys(status for _, status in one.lost)
-            ]
-            if not one.sizes:
+        for curve in group:
+            looks = style.look(curve.solver, curve.label)
+            statuses = dict.fromkeys(status for _, status in curve.lost)
+            lost += [(looks, style.status_letter(status)) for status in statuses]
+            if not curve.sizes:
                 continue
             above.plot(
-                one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7
+                curve.sizes, curve.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7
             )
-            above.plot(one.sizes, one.solve, **style.filled_marker(looks))
+            above.plot(curve.sizes, curve.solve, **style.filled_marker(looks))
             # CGAL prepares triangle soups and manifolds in different ways, so no line joins its
             # preparation times.
             prepare = (
                 style.open_marker(looks)
                 | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5}
-                | ({} if one.solver == "cgal" else PREPARE)
+                | ({} if curve.solver == "cgal" else PREPARE)
             )
-            above.plot(one.sizes, one.prepare, **prepare)
-            told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]
+            above.plot(curve.sizes, curve.prepare, **prepare)
+            told = [
+                (n, peak / n) for n, peak in zip(curve.sizes, curve.peak) if peak >= LEAST_BYTES
+            ]
             if told:
                 below.plot(
                     *np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7
@@ -389,11 +398,13 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
                 below.plot(*np.array(told).T, **style.filled_marker(looks))
         style.margin_marks(above, lost, 120)
         above.set(title=regime)
-        below.set(xlabel=f"{what}s, |A| + |B|")
+        below.set(xlabel=f"{element}s, |A| + |B|")
     axes[0][0].set_ylabel("time (s)")
-    axes[1][0].set_ylabel(f"peak memory, bytes per {what}")
+    axes[1][0].set_ylabel(f"peak memory, bytes per {element}")
     tick(axes.flat)
-    labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
+    labels = style.order(
+        (curve.solver, curve.label) for group in by_regime.values() for curve in group
+    )
     grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}
     of_time = [
         Line2D([], [], label="filled: solve", **grey),

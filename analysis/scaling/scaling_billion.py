@@ -96,7 +96,7 @@ class Forecast:
     distance: Interval  # as a fraction of the diagonal of A
     peak: Interval  # bytes, besides the points
     seconds: Interval  # to prepare and solve
-    known: bool  # enough sizes were measured for a plan
+    enough_sizes: bool  # enough sizes were measured for a plan
     plan: Shards | None
     plan_seconds: Interval
 
@@ -105,36 +105,44 @@ def times(x: Interval, factor: float) -> Interval:
     return Interval(factor * x.value, factor * x.low, factor * x.high)
 
 
-def distances(results: Results, one: Curve) -> Growth:
+def distances(results: Results, curve: Curve) -> Growth:
     """Fits how h, as a fraction of the diagonal of A, depends on size."""
     cases = results.cases
     return growth(
-        one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0
+        curve.sizes,
+        [float(cases.upper[row] / cases.source_diagonal[row]) for row in curve.rows],
+        0,
+        0,
     )
 
 
-def cost(one: Curve) -> Growth:
-    return one.growth_of([a + b for a, b in zip(one.prepare, one.solve)], LEAST_SECONDS)
+def cost(curve: Curve) -> Growth:
+    return curve.growth_of([a + b for a, b in zip(curve.prepare, curve.solve)], LEAST_SECONDS)
 
 
-def memory_of(one: Curve) -> Growth:
-    return growth(one.sizes, one.peak, LEAST_BYTES)
+def memory_of(curve: Curve) -> Growth:
+    return growth(curve.sizes, curve.peak, LEAST_BYTES)
 
 
-def forecast(results: Results, one: Curve, memory: float) -> Forecast:
+def forecast(results: Results, curve: Curve, memory: float) -> Forecast:
     """Returns the forecast for one solver. The upper ends of the forecast memory and distance set
     shard size and margin."""
-    total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
+    total, seconds, peak, distance = (
+        2 * EACH,
+        cost(curve),
+        memory_of(curve),
+        distances(results, curve),
+    )
     margin = distance.at(total).high
-    known = seconds.known and peak.known and math.isfinite(margin)
-    plan = shards(EACH, margin, memory, lambda n: peak.at(n).high) if known else None
+    enough_sizes = seconds.known and peak.known and math.isfinite(margin)
+    plan = shards(EACH, margin, memory, lambda n: peak.at(n).high) if enough_sizes else None
     return Forecast(
-        one.regime,
-        one.title,
+        curve.regime,
+        curve.title,
         distance.at(total),
         peak.at(total),
         seconds.at(total),
-        known,
+        enough_sizes,
         plan,
         times(seconds.at(plan.points), plan.tasks) if plan else times(seconds.at(total), math.nan),
     )
@@ -149,13 +157,13 @@ def text(x: Interval, scale: float) -> str:
 
 def make(results: Results) -> Report:
     everyone = curves(results)
-    found = [one for one in everyone if one.label in SOLVERS]
-    left_out = dict.fromkeys(one.title for one in everyone if one.label not in SOLVERS)
+    chosen = [curve for curve in everyone if curve.label in SOLVERS]
+    left_out = dict.fromkeys(curve.title for curve in everyone if curve.label not in SOLVERS)
     cores, memory = max(1, int(results.meta.get("cores", 1))), float(
         results.meta.get("memory_bytes", math.nan)
     )
-    own = [forecast(results, one, memory / cores) for one in found]
-    largest = max((one.sizes[-1] for one in found if one.sizes), default=math.nan)
+    predictions = [forecast(results, curve, memory / cores) for curve in chosen]
+    largest = max((curve.sizes[-1] for curve in chosen if curve.sizes), default=math.nan)
     table = tables.Table(
         f"{short(EACH)} points in A and as many in B: a forecast from sizes of up to {short(largest)} points in all; never run.",
         [
@@ -173,40 +181,43 @@ def make(results: Results) -> Report:
         left=2,
     )
     records: list[tables.Record] = []
-    for one in own:
-        plan = one.plan
+    for prediction in predictions:
+        plan = prediction.plan
         table.rows.append(
             [
-                one.regime,
-                one.title,
-                text(one.distance, 1),
+                prediction.regime,
+                prediction.title,
+                text(prediction.distance, 1),
                 numerals.number(2 * EACH * POINT / 1e9),
-                text(one.peak, 1e-9),
-                text(one.seconds, 1),
+                text(prediction.peak, 1e-9),
+                text(prediction.seconds, 1),
                 *(
                     [
                         str(plan.tasks),
                         short(plan.points),
                         numerals.number(plan.margin),
-                        text(one.plan_seconds, 1),
+                        text(prediction.plan_seconds, 1),
                     ]
                     if plan
-                    else [TOO_WIDE if one.known else numerals.NOTHING, *3 * [numerals.NOTHING]]
+                    else [
+                        TOO_WIDE if prediction.enough_sizes else numerals.NOTHING,
+                        *3 * [numerals.NOTHING],
+                    ]
                 ),
             ]
         )
         records.append(
             {
-                "regime": one.regime,
-                "solver": one.title,
+                "regime": prediction.regime,
+                "solver": prediction.title,
                 "each": EACH,
                 **{
                     f"{name}_{end}": getattr(x, end)
                     for name, x in (
-                        ("distance", one.distance),
-                        ("peak_bytes", one.peak),
-                        ("seconds", one.seconds),
-                        ("tasks_seconds", one.plan_seconds),
+                        ("distance", prediction.distance),
+                        ("peak_bytes", prediction.peak),
+                        ("seconds", prediction.seconds),
+                        ("tasks_seconds", prediction.plan_seconds),
                     )
                     for end in ("value", "low", "high")
                 },
@@ -233,22 +244,22 @@ def make(results: Results) -> Report:
         f"{machine_line(results)}.",
     ]
     table.notes = [note for note in table.notes if note]
-    drawn = [one for one in found if one.label == DRAWN]
-    known = any(
-        cost(one).known or memory_of(one).known for one in drawn
+    drawn = [curve for curve in chosen if curve.label == DRAWN]
+    has_line = any(
+        cost(curve).known or memory_of(curve).known for curve in drawn
     )  # otherwise there is no line to draw
-    return Report((lambda: draw(drawn, memory)) if known else None, table, records)
+    return Report((lambda: draw(drawn, memory)) if has_line else None, table, records)
 
 
-def draw(found: list[Curve], memory: float) -> Any:
+def draw(drawn: list[Curve], memory: float) -> Any:
     """Draws the measured costs, the line through them, and the band of the forecast."""
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
     colours = [style.look(name).colour for name in ("scan", "ohd", "nohd", "adaptive")]
     entries = []
-    for i, (one, colour) in enumerate(zip(found, colours)):
+    for i, (curve, colour) in enumerate(zip(drawn, colours)):
         for ax, grown, besides in (
-            (axes[0], cost(one), 0.0),
-            (axes[1], memory_of(one), float(POINT)),
+            (axes[0], cost(curve), 0.0),
+            (axes[1], memory_of(curve), float(POINT)),
         ):
             if not grown.sizes:
                 continue
@@ -271,19 +282,14 @@ def draw(found: list[Curve], memory: float) -> Any:
                 color=colour,
                 linewidth=0.8,
             )
-            ax.fill_between(
-                sizes,
-                [x.low + besides * n for x, n in zip(foretold, sizes)],
-                [x.high + besides * n for x, n in zip(foretold, sizes)],
-                color=colour,
-                alpha=0.15,
-                linewidth=0,
-            )
+            low = [x.low + besides * n for x, n in zip(foretold, sizes)]
+            high = [x.high + besides * n for x, n in zip(foretold, sizes)]
+            ax.fill_between(sizes, low, high, color=colour, alpha=0.15, linewidth=0)
         entries.append(
             Line2D(
                 [],
                 [],
-                label=one.regime,
+                label=curve.regime,
                 marker="ov^s"[i],
                 color=colour,
                 linewidth=0.8,

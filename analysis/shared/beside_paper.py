@@ -42,25 +42,28 @@ def draw(
     if not tests_claims(grid.results):
         papers = {}
     scenes, cells = grid.scenes, grid.cells
-    present = [pair for pair in grid.labels if any((scene, pair[1]) in cells for scene in scenes)]
+    present = []
+    for pair in grid.labels:
+        if any((scene, pair[1]) in cells for scene in scenes):
+            present.append(pair)
     pitch = len(present) + 1.0
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.75 + 0.098 * pitch * len(scenes)))
-    known = [
+    seconds = [
         x
         for cell in cells.values()
         if cell.time.n
         for x in (cell.time.value, cell.time.low, cell.time.high)
     ]
-    known += [
+    seconds += [
         papers[s][label]
         for s in scenes
         if s in papers
         for _, label in present
         if label in papers[s]
     ]
-    known = [x for x in known if np.isfinite(x) and x > 0] or [1.0]
+    seconds = [x for x in seconds if np.isfinite(x) and x > 0] or [1.0]
     ax.set_xscale("log")
-    ax.set_xlim(min(known) / 2, max(known) * 2)
+    ax.set_xlim(min(seconds) / 2, max(seconds) * 2)
     for i, scene in enumerate(scenes):
         if i % 2:
             ax.axhspan(i * pitch - 1, (i + 1) * pitch - 1, color="#F5F5F5", linewidth=0, zorder=0)
@@ -83,7 +86,7 @@ def draw(
                 ax.plot(cell.time.value, y, **style.filled_marker(looks))
             elif cell:
                 # Written on the side away from the paper's mark.
-                right = bool(printed and printed**2 < min(known) * max(known))
+                right = bool(printed and printed**2 < min(seconds) * max(seconds))
                 ax.text(
                     0.985 if right else 0.015,
                     y,
@@ -95,10 +98,8 @@ def draw(
                     va="center",
                 )
     ax.set_ylim(len(scenes) * pitch - 1, -1)
-    ax.set_yticks(
-        [i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))],
-        [title(grid, scene) for scene in scenes],
-    )
+    middles = [i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))]
+    ax.set_yticks(middles, [title(grid, scene) for scene in scenes])
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{total_word(grid.results)} (s)")

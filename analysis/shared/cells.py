@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -46,19 +46,19 @@ class Cell:
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
         cases, first = results.cases, rows[0]
-        asked = {
-            (
-                json.dumps(
-                    {k: v for k, v in results.options(r).items() if k != "seed"}, sort_keys=True
-                ),
-                cases.pose_index[r],
-                cases.tolerance[r],
-                cases.source[r],
-                cases.target[r],
+        questions = set[tuple[Any, ...]]()
+        for r in rows:
+            options = {k: v for k, v in results.options(r).items() if k != "seed"}
+            questions.add(
+                (
+                    json.dumps(options, sort_keys=True),
+                    cases.pose_index[r],
+                    cases.tolerance[r],
+                    cases.source[r],
+                    cases.target[r],
+                )
             )
-            for r in rows
-        }
-        if len(asked) > 1:
+        if len(questions) > 1:
             raise ResultError(
                 f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
                 "more than their seed: give each variant a label of its own in the experiment"
@@ -113,11 +113,11 @@ class Cell:
         for cell in (self, other):
             solve = self.results.first_by_round(cell.cases[0])
             usual = min(self.prepare, other.prepare)
-            cell.times = {
-                number: seconds
-                + min((found[number] for found in before if number in found), default=usual)
-                for number, seconds in solve.items()
-            }
+            cell.times = {}
+            for number, seconds in solve.items():
+                cell.times[number] = seconds + min(
+                    (prepared[number] for prepared in before if number in prepared), default=usual
+                )
             cell.time = median(list(cell.times.values()))
         self.prepare = other.prepare = min(self.prepare, other.prepare)
 
@@ -127,16 +127,17 @@ class Cell:
         counters = self.results.cases.counters
         if self.failures or not any(name in counters for name in names):
             return {}
-        return {
-            seed: float(sum(int(counters[name][row]) for name in names if name in counters))
-            for seed, row in zip(self._seeds(), self.cases)
-        }
+        columns = [counters[name] for name in names if name in counters]
+        sums = {}
+        for seed, row in zip(self._seeds(), self.cases):
+            sums[seed] = float(sum(int(column[row]) for column in columns))
+        return sums
 
     def count(self, names: Sequence[str]) -> float:
         """Returns the sum of these counters, as the median over seeds; NaN if nothing is
         counted."""
-        found = list(self.counted(names).values())
-        return float(np.median(found)) if found and min(found) > 0 else np.nan
+        counts = list(self.counted(names).values())
+        return float(np.median(counts)) if counts and min(counts) > 0 else np.nan
 
     def cost(self, what: str = "") -> float:
         """Returns the median time in seconds, or the count MEASURES[what] if `what` is given; NaN
@@ -183,7 +184,7 @@ def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
 def in_time_and_work(judge: Callable[[str], Verdict], counted: Iterable[str] = MEASURES) -> Verdict:
     """Returns the verdict on times, `judge("")`, together with the verdicts on each kind of counted
     work."""
-    return judge("").with_counts({what: judge(what) for what in counted})
+    return judge("").with_counts({measure: judge(measure) for measure in counted})
 
 
 def count_text(cell: Cell | None, names: Sequence[str]) -> str:
@@ -242,5 +243,7 @@ class Grid:
         in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(
-            lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among])
+            lambda measure: everywhere(
+                claim, [self.ratio(scene, slow, fast, measure) for scene in among]
+            )
         )

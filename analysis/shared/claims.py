@@ -169,8 +169,12 @@ def record(verdict: Verdict, stem: str, profile: str) -> Record:
         "evidence": verdict.evidence,
         "ratio": _ratio(verdict.ratio),
         "counted": {
-            what: {"outcome": one.outcome, "evidence": one.evidence, "ratio": _ratio(one.ratio)}
-            for what, one in verdict.counted.items()
+            measure: {
+                "outcome": part.outcome,
+                "evidence": part.evidence,
+                "ratio": _ratio(part.ratio),
+            }
+            for measure, part in verdict.counted.items()
         },
         "profile": profile,
     }
@@ -193,16 +197,17 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
 def read(path: Path) -> list[Record]:
     """Reads the verdicts of a file; none if there is no file. Raises ValueError if it is
     damaged."""
-    found = table_files.read_json(path) if path.exists() else []
-    for one in found:
-        if not _is_record(one):
+    verdicts = table_files.read_json(path) if path.exists() else []
+    for verdict in verdicts:
+        if not _is_record(verdict):
             raise ValueError(
-                f"{path}: '{str(one)[:60]}' is not a verdict: write it again with 'hausbench draw'"
+                f"{path}: '{str(verdict)[:60]}' is not a verdict: "
+                "write it again with 'hausbench draw'"
             )
-    return found
+    return verdicts
 
 
-def _is_record(one: Mapping[str, object]) -> bool:
+def _is_record(candidate: Mapping[str, object]) -> bool:
     """Returns whether this is what record() returns."""
 
     def judged(part: object) -> bool:
@@ -213,10 +218,11 @@ def _is_record(one: Mapping[str, object]) -> bool:
             and _is_ratio(part.get("ratio"))
         )
 
-    counted = one.get("counted")
+    counted = candidate.get("counted")
+    has_texts = all(isinstance(candidate.get(name), str) for name in TEXTS)
     return (
-        all(isinstance(one.get(name), str) for name in TEXTS)
-        and judged(one)
+        has_texts
+        and judged(candidate)
         and isinstance(counted, Mapping)
         and all(judged(part) for part in counted.values())
     )

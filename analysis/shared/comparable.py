@@ -38,19 +38,15 @@ def origins(results: Results, rows: Iterable[int]) -> frozenset[Origin]:
 
 def reason_apart(found: Iterable[Origin]) -> str:
     """Returns why the times of these rows are not comparable; empty if they are."""
-    known = set(found)
-    clocks = {one.clock for one in known} - {""}
-    return (
-        "run beside others"
-        if any(one.beside for one in known)
-        else "of different machines"
-        if len({one.machine for one in known}) > 1
-        else "of different builds"
-        if len({one.build for one in known}) > 1
-        else "by different clocks"
-        if len(clocks) > 1
-        else ""
-    )
+    distinct = set(found)
+    clocks = {run.clock for run in distinct} - {""}
+    if any(run.beside for run in distinct):
+        return "run beside others"
+    if len({run.machine for run in distinct}) > 1:
+        return "of different machines"
+    if len({run.build for run in distinct}) > 1:
+        return "of different builds"
+    return "by different clocks" if len(clocks) > 1 else ""
 
 
 def apart(found: Iterable[Origin]) -> Estimate | None:

@@ -64,10 +64,10 @@ def no_data(reason: str) -> Estimate:
 
 def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]:
     """Returns the median of the repeats of each round."""
-    found: dict[int, list[float]] = {}
+    values_of_round: dict[int, list[float]] = {}
     for number, value in zip(rounds, values, strict=True):
-        found.setdefault(int(number), []).append(float(value))
-    return {number: float(np.median(repeats)) for number, repeats in found.items()}
+        values_of_round.setdefault(int(number), []).append(float(value))
+    return {number: float(np.median(repeats)) for number, repeats in values_of_round.items()}
 
 
 def order_statistic_rank(n: int, confidence: float) -> int:
@@ -143,7 +143,7 @@ def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
     )
     tails = [scipy.stats.binom.cdf(np.arange((len(x) + 1) // 2), len(x), 0.5) for x in (a, b)]
     for tail in np.unique(np.concatenate(tails)):
-        k, m = (int(np.searchsorted(known, tail, side="right")) for known in tails)
+        k, m = (int(np.searchsorted(levels, tail, side="right")) for levels in tails)
         if k and m and a[k - 1] > b[len(b) - m]:
             return min(1.0, 2 * float(tail))
     return 1.0
@@ -155,9 +155,9 @@ def ratio_by_round(
     """Returns the paired_ratio() of the times in the rounds (or seeds) that both have; NO_DATA if
     there are none."""
     shared = sorted(numerator.keys() & denominator.keys())
-    return paired_ratio(
-        [numerator[i] for i in shared], [denominator[i] for i in shared], confidence
-    )
+    numerators = [numerator[i] for i in shared]
+    denominators = [denominator[i] for i in shared]
+    return paired_ratio(numerators, denominators, confidence)
 
 
 def paired_ratio(

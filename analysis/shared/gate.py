@@ -40,8 +40,8 @@ def program() -> str:
     for path in (ROOT / "build" / "release" / "hausbench", ROOT.parents[1] / "bin" / "hausbench"):
         if path.is_file():
             return str(path)
-    if found := shutil.which("hausbench"):
-        return found
+    if on_path := shutil.which("hausbench"):
+        return on_path
     raise ResultError(
         "HDF5 files are opened only after the program 'hausbench' has checked them, and it was not found: build it with 'make build', or "
         "name it with HAUSBENCH_PROGRAM"
@@ -76,7 +76,8 @@ def vet(paths: Iterable[Path]) -> None:
     others = [(state, path) for state, path in new.items() if state not in kept]
     for start in range(0, len(others), 500):
         part = others[start : start + 500]
-        _known.update(zip((state for state, _ in part), ask("vet", [path for _, path in part])))
+        problems = ask("vet", [path for _, path in part])
+        _known.update(zip((state for state, _ in part), problems))
 
 
 def problem_of(path: Path) -> str:
@@ -128,7 +129,8 @@ def _problem_of_kept(path: Path) -> str:
 def read_sums() -> dict[str, str]:
     """Returns the SHA-256 of each file in results/reference, by its path there."""
     lines = (REFERENCE / SUMS).read_text(encoding="utf-8").splitlines()
-    return {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+    pairs = [line.split("  ", 1) for line in lines]
+    return {name: digest for digest, name in pairs}
 
 
 def sha256(path: Path) -> str:

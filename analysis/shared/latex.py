@@ -62,12 +62,12 @@ def _columns(block: Block, left: int) -> str:
 def _body(table: Table, block: Block) -> list[str]:
     """Returns the rows of one block of columns, without rows that have only 'n/a' in the columns
     that no other block has."""
-    own = [k for k in block if k >= (table.parts[0] if table.parts else table.left)]
+    columns = [k for k in block if k >= (table.parts[0] if table.parts else table.left)]
     lines: list[str] = []
     for i, row in enumerate(table.rows):
         if i in table.rules and lines:
             lines.append(r"\addlinespace")
-        if not own or any(row[k] != "n/a" for k in own):
+        if not columns or any(row[k] != "n/a" for k in columns):
             lines.append(_row([row[k] for k in block]))
     return lines
 
@@ -91,7 +91,7 @@ def _longtable(table: Table, block: Block, caption: str) -> list[str]:
     head = _row([table.header[k] for k in block])
     return [
         rf"\begin{{longtable}}{{{_columns(block, table.left)}}}",
-        *[caption + r"\\"] * bool(caption),
+        *([caption + r"\\"] if caption else []),
         r"\toprule",
         head,
         r"\midrule\endfirsthead",
@@ -113,7 +113,9 @@ def _float(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
         rf"\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}%",
     ]
     for number, block in enumerate(chosen.blocks):
-        lines += [r"\par\medskip"] * (number > 0) + _tabular(table, block)
+        if number:
+            lines.append(r"\par\medskip")
+        lines += _tabular(table, block)
     if notes:
         lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"]
     return [*lines, rf"\end{{{kind}}}"]
@@ -122,21 +124,25 @@ def _float(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
 def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> list[str]:
     """Returns a table longer than a page as a longtable, which unlike a float may break between
     pages."""
-    lines = [r"\begin{landscape}"] * chosen.sideways + [
+    lines = [r"\begin{landscape}"] if chosen.sideways else []
+    lines.append(
         rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"
-    ]
+    )
     for number, block in enumerate(chosen.blocks):
-        lines += [r"\addtocounter{table}{-1}"] * (
-            number > 0
-        )  # every longtable increments the number of tables
+        if number:  # every longtable increments the number of tables
+            lines.append(r"\addtocounter{table}{-1}")
         lines += _longtable(table, block, "" if number else caption)
     # The notes come after the landscape pages, where they share a page with the text that follows.
     # The parbox keeps them on one page.
     return [
         *lines,
         "}",
-        *[r"\end{landscape}"] * chosen.sideways,
-        *[rf"\noindent\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"] * bool(notes),
+        *([r"\end{landscape}"] if chosen.sideways else []),
+        *(
+            [rf"\noindent\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"]
+            if notes
+            else []
+        ),
     ]
 
 

@@ -125,8 +125,10 @@ def _attribute(value: Any) -> Any:
 
 def _of_profile(results: Results, profile: str) -> Results:
     """Returns the results with only the rows that the experiment requests in this profile."""
-    asked = [not profiles or profile in profiles.split(",") for profiles in results.cases.profile]
-    keep = np.flatnonzero(asked)
+    requested = [
+        not profiles or profile in profiles.split(",") for profiles in results.cases.profile
+    ]
+    keep = np.flatnonzero(requested)
     if len(keep) == len(results.cases):
         return results
     number = np.full(len(results.cases), -1)
@@ -172,9 +174,9 @@ def _expect_places(results: Results) -> None:
     """Raises ValueError if a row refers to a case, a sample or a value that the file does not
     have."""
 
-    def expect(good: Any, what: str) -> None:
+    def expect(good: Any, part: str) -> None:
         if not np.all(good):
-            raise ValueError(f"{what} that the file does not have")
+            raise ValueError(f"{part} that the file does not have")
 
     count, cases, fields = len(results.cases), results.cases, results.fields
     for name in ("answers", "repeats", "preparation", "fields"):
@@ -224,25 +226,25 @@ def _expect_json(results: Results) -> None:
 def load_all(paths: Iterable[Path]) -> list[Results]:
     """Loads results, which the program checks with one call. Names those that cannot be loaded on
     standard error, and leaves them out."""
-    found, paths = list[Results](), list(paths)
+    loaded, paths = list[Results](), list(paths)
     gate.vet(paths)
     for path in paths:
         try:
-            found.append(load(path))
+            loaded.append(load(path))
         except ResultError as problem:
             print(printable(str(problem)), file=sys.stderr)
-    return found
+    return loaded
 
 
 def each(results: Iterable[Results], work: Callable[[Results], Made]) -> list[Made]:
     """Returns what `work` makes of each result. Names a result that it cannot use on standard
     error, and leaves it out."""
     made = list[Made]()
-    for one in results:
+    for result in results:
         try:
-            made.append(work(one))
+            made.append(work(result))
         except Exception as problem:  # no run writes such a file
-            print(left_out(one, problem), file=sys.stderr)
+            print(left_out(result, problem), file=sys.stderr)
     return made
 
 

@@ -187,7 +187,7 @@ def showing(shown: Mesh, of: View, point: Floats) -> View:
     x, y, z = of.axes[2]
     round_by, height = np.arctan2(x, z), np.arcsin(np.clip(y, -1, 1))
     turns = [(turn, tilt) for turn in range(-180, 180, 15) for tilt in range(-75, 76, 15)]
-    for turn, tilt in np.deg2rad(sorted(turns, key=lambda one: one[0] ** 2 + one[1] ** 2)):
+    for turn, tilt in np.deg2rad(sorted(turns, key=lambda angles: angles[0] ** 2 + angles[1] ** 2)):
         up = height + tilt
         if abs(up) > np.deg2rad(80):
             continue

@@ -56,10 +56,8 @@ def sentence(results: Results, rows: Sequence[int]) -> str:
     shown = ", ".join(causes[:FEW]) + (
         f" and {len(causes) - FEW} more" if len(causes) > FEW else ""
     )
-    remedies = [
-        f"run {command}"
-        for command in dict.fromkeys(command for _, _, command in reasons if command)
-    ]
+    commands = dict.fromkeys(command for _, _, command in reasons if command)
+    remedies = [f"run {command}" for command in commands]
     again = remedy.measure(
         str(results.meta.get("stem") or results.stem), str(results.meta.get("experiment_file", ""))
     )
@@ -93,11 +91,11 @@ def own(verdict: Verdict, results: Results, rows: Sequence[int]) -> list[int]:
 
 
 def _judged(verdict: Verdict, results: Results, missing: Sequence[int]) -> Verdict:
-    found = own(verdict, results, missing)
-    if verdict.outcome == UNTESTED or not found:
+    rows = own(verdict, results, missing)
+    if verdict.outcome == UNTESTED or not rows:
         return verdict
     return replace(
-        verdict, outcome=UNTESTED, evidence=sentence(results, found), counted={}, ratio=None
+        verdict, outcome=UNTESTED, evidence=sentence(results, rows), counted={}, ratio=None
     )
 
 
@@ -112,17 +110,18 @@ def without(results: Results) -> Results:
     number: Ints = np.cumsum(keep) - 1
 
     def columns(group: object, chosen: object) -> dict[str, Any]:
-        return {
-            name: {key: values[chosen] for key, values in column.items()}
-            if isinstance(column, dict)
-            else column[chosen]
-            for name, column in vars(group).items()
-        }
+        parts: dict[str, Any] = {}
+        for name, column in vars(group).items():
+            if isinstance(column, dict):
+                parts[name] = {key: values[chosen] for key, values in column.items()}
+            else:
+                parts[name] = column[chosen]
+        return parts
 
     def renumbered(group: object) -> dict[str, Any]:
         case: Ints = vars(group)["case"]
-        own = keep[case]
-        return columns(group, own) | {"case": number[case[own]]}
+        kept = keep[case]
+        return columns(group, kept) | {"case": number[case[kept]]}
 
     return replace(
         results,

@@ -16,28 +16,30 @@ from analysis.shared.results import LEAST_SHARE, Results
 def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
     """Names the solvers in `rows` (default: all) whose lower bounds the harness could not check;
     empty if there are none."""
-    cases, found = results.cases, dict[str, list[str]]()
+    cases, labels_by_check = results.cases, dict[str, list[str]]()
     among = range(len(cases)) if rows is None else rows
-    titles, asked = {
+    titles = {
         str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among
-    }, Counter(str(cases.label[case]) for case in among)
+    }
+    row_counts = Counter(str(cases.label[case]) for case in among)
     for case in among:
         if (
             cases.status[case] != "unsound"
             and np.isfinite(cases.lower[case])
             and results.check_of(case).startswith("not")
         ):
-            found.setdefault(results.check_of(case), []).append(str(cases.label[case]))
+            labels_by_check.setdefault(results.check_of(case), []).append(str(cases.label[case]))
 
     def counted(labels: list[str]) -> str:
         return ", ".join(
             titles[label]
-            + (f" (in {count} of {asked[label]} rows)" if count < asked[label] else "")
+            + (f" (in {count} of {row_counts[label]} rows)" if count < row_counts[label] else "")
             for label, count in sorted(Counter(labels).items())
         )
 
     return "; ".join(
-        f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items())
+        f"Lower bounds {check}: {counted(labels)}"
+        for check, labels in sorted(labels_by_check.items())
     )
 
 
@@ -69,17 +71,17 @@ def measured_on(results: Results) -> str:
         f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
         f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}"
     )
-    for what, column in (("machine", results.cases.machine), ("build", results.programs)):
+    for kind, column in (("machine", results.cases.machine), ("build", results.programs)):
         if (count := len(set(column))) > 1:
-            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s are not comparable"
+            line += f"; rows of {count} {kind}s are mixed, and the times of two {kind}s are not comparable"
     return line
 
 
 def stand_in(note: str) -> str:
     """Extracts from the note of a scene the shapes that replace the paper's: 'an orange sampled
     twice'; empty if it names none."""
-    found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
-    return found[1] if found else ""
+    match = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
+    return match[1] if match else ""
 
 
 def scene_notes(results: Results) -> list[str]:
@@ -95,21 +97,21 @@ def scene_notes(results: Results) -> list[str]:
 def clocks(results: Results) -> dict[str, list[str]]:
     """Returns the titles of the solvers with answers, by the clock of their rows ('cpu' or
     'wall')."""
-    found: dict[str, list[str]] = {}
+    by_clock: dict[str, list[str]] = {}
     for row in range(len(results.cases)):
         if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
-            titles = found.setdefault(results.clock_of(row), [])
+            titles = by_clock.setdefault(results.clock_of(row), [])
             title = style.title(results.cases.solver[row], results.cases.label[row])
             if title not in titles:
                 titles.append(title)
-    return found
+    return by_clock
 
 
 def clock_word(results: Results) -> str:
     """Returns 'CPU time' or 'wall time', or 'time' if the results have both, for captions and
     axes."""
-    found = clocks(results)
-    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
+    by_clock = clocks(results)
+    return "time" if len(by_clock) > 1 else "wall time" if "wall" in by_clock else "CPU time"
 
 
 def clock_title(results: Results) -> str:
@@ -136,14 +138,14 @@ def total_title(results: Results) -> str:
 
 
 def clock_note(results: Results) -> str:
-    found = clocks(results)
+    by_clock = clocks(results)
     cpu = "process CPU time, children included"
-    what = (
-        f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work, a time "
+    text = (
+        f"Times are {cpu}, but wall time for {', '.join(by_clock['wall'])}, where several threads work, a time "
         f"was read off a trace, or an outside program used the CPU for less than {100 * LEAST_SHARE:.0f} % of its wall time"
-        if len(found) > 1
+        if len(by_clock) > 1
         else "Times are wall time"
-        if "wall" in found
+        if "wall" in by_clock
         else f"Times are {cpu}"
     )
-    return f"{what}; preparing is wall time."
+    return f"{text}; preparing is wall time."

@@ -128,5 +128,5 @@ def ratio(x: Estimate) -> str:
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
     """Chooses the unit for a table of times: ('ms', 1000) if their median is below 0.1 s, else
     ('s', 1)."""
-    known = sorted(x for x in seconds if math.isfinite(x))
-    return ("ms", 1000.0) if known and known[len(known) // 2] < 0.1 else ("s", 1.0)
+    finite = sorted(x for x in seconds if math.isfinite(x))
+    return ("ms", 1000.0) if finite and finite[len(finite) // 2] < 0.1 else ("s", 1.0)

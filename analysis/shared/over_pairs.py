@@ -118,8 +118,10 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
     """
     if not mean.n:
         return Verdict(claim, UNTESTED, "no pair with both")
-    known = mean.has_interval and mean.coverage >= CONFIDENCE
-    outcome = HOLDS if known and mean.low >= bar else FAILS if known and mean.high < bar else OPEN
+    reliable = mean.has_interval and mean.coverage >= CONFIDENCE
+    outcome = (
+        HOLDS if reliable and mean.low >= bar else FAILS if reliable and mean.high < bar else OPEN
+    )
     return weighed(
         Verdict(
             claim,
@@ -137,20 +139,20 @@ def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verd
 
     The outcome is 'not separated' if some pair has no ratio.
     """
-    known = [x.value for x in ratios if x.n]
-    if not known:
+    values = [x.value for x in ratios if x.n]
+    if not values:
         return Verdict(claim, UNTESTED, f"no pair with both{why(ratios)}")
-    mean = geometric_mean(known)
+    mean = geometric_mean(values)
     verdict = mean_at_least(claim, mean, bar, "geometric mean")
     if (
         verdict.outcome == HOLDS and not mean.low > bar
     ):  # low == bar, for example if all counts are equal
         return replace(verdict, outcome=OPEN)
-    if len(known) < len(ratios):
+    if len(values) < len(ratios):
         return replace(
             verdict,
             outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN,
-            evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(known)}{why(ratios)}",
+            evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(values)}{why(ratios)}",
         )
     return verdict
 
@@ -160,13 +162,13 @@ def share_near(claim: str, count: int, of: int, share: float, within: float) -> 
     (Clopper-Pearson interval)."""
     if not of:
         return Verdict(claim, UNTESTED, "no pairs")
-    found = scipy.stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
-    inside = share - within <= found.low and found.high <= share + within
-    outside = found.high < share - within or found.low > share + within
+    interval = scipy.stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
+    inside = share - within <= interval.low and interval.high <= share + within
+    outside = interval.high < share - within or interval.low > share + within
     return Verdict(
         claim,
         HOLDS if inside else FAILS if outside else OPEN,
-        f"{count} of {of} pairs, {numerals.number(100 * count / of)} % {numerals.bounds(found.low, found.high, times=100)}; near means within "
+        f"{count} of {of} pairs, {numerals.number(100 * count / of)} % {numerals.bounds(interval.low, interval.high, times=100)}; near means within "
         f"{100 * within:g} points",
     )
 
@@ -177,10 +179,10 @@ def chance(more: Wins, less: Wins) -> float:
 
     The test uses only pairs that exactly one of the two wins. Without such a pair the p-value is 1.
     """
-    ours, theirs = int((more & ~less).sum()), int((less & ~more).sum())
+    only_more, only_less = int((more & ~less).sum()), int((less & ~more).sum())
     return (
-        float(scipy.stats.binomtest(ours, ours + theirs, alternative="greater").pvalue)
-        if ours + theirs
+        float(scipy.stats.binomtest(only_more, only_more + only_less, alternative="greater").pvalue)
+        if only_more + only_less
         else 1.0
     )
 
@@ -212,11 +214,11 @@ def wins_more(
         + (f"of the others {best} most: " if len(behind) > 1 else f"{best} ")
         + f"{int(behind[best].sum())}",
         f"{sum(clear)} of {len(both)} comparisons separated in its favour" if len(both) > 1 else "",
-    ] + [
-        f"separated against it: {', '.join(f'{b} more often than {a}' for a, b in against[:3])}"
-    ] * (
-        len(both) > 1 and bool(against)
-    )
+    ]
+    if len(both) > 1 and against:
+        parts.append(
+            f"separated against it: {', '.join(f'{b} more often than {a}' for a, b in against[:3])}"
+        )
     return Verdict(claim, outcome, "; ".join(part for part in parts if part))
 
 

@@ -20,18 +20,18 @@ _LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
 def panels(figure: Any) -> list[Any]:
     """Returns the axes that count as panels, row by row: no colour bars, twin axes, strips or empty
     axes."""
-    found: dict[tuple[float, ...], Any] = {}
+    by_box: dict[tuple[float, ...], Any] = {}
     for ax in figure.get_axes():
         shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images
         high = ax.get_window_extent().height > STRIP * figure.dpi
         if ax.get_visible() and ax.get_label() != "<colorbar>" and shows and high:
-            found.setdefault(tuple(round(x) for x in ax.get_window_extent().bounds), ax)
+            by_box.setdefault(tuple(round(x) for x in ax.get_window_extent().bounds), ax)
 
     def place(ax: Any) -> tuple[int, float]:
         box = ax.get_window_extent()
         return -round(box.y1 / (ROW * figure.dpi)), box.x0
 
-    return sorted(found.values(), key=place)
+    return sorted(by_box.values(), key=place)
 
 
 def add_letters(figure: Any) -> None:
@@ -45,8 +45,8 @@ def add_letters(figure: Any) -> None:
     room = figure.get_layout_engine() is not None and not isinstance(
         figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine
     )
-    own = {found[1] for ax in axes if (found := _LETTERED.match(ax.get_title()))}
-    free = (letter for letter in LETTERS if letter not in own)
+    taken = {match[1] for ax in axes if (match := _LETTERED.match(ax.get_title()))}
+    free = (letter for letter in LETTERS if letter not in taken)
     for ax in axes if len(axes) > 1 else []:
         if _LETTERED.match(ax.get_title()):
             continue

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 _BREAKS: Final = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
@@ -27,10 +27,11 @@ def printable(text: str, lines: bool = False) -> str:
 def spelled(text: str, known: Callable[[str], bool], form: str = "<{}>") -> str:
     """Replaces each run of letters that `known` rejects with their Unicode numbers: '<U+4E2D
     U+6587>'."""
-    runs = [(there, list(letters)) for there, letters in itertools.groupby(text, known)]
+
+    def numbered(letters: Iterable[str]) -> str:
+        return form.format(" ".join(f"U+{ord(letter):04X}" for letter in letters))
+
     return "".join(
-        "".join(letters)
-        if there
-        else form.format(" ".join(f"U+{ord(letter):04X}" for letter in letters))
-        for there, letters in runs
+        "".join(letters) if is_known else numbered(letters)
+        for is_known, letters in itertools.groupby(text, known)
     )

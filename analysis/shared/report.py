@@ -80,9 +80,11 @@ class Report:
         if table is not None:
             paths = table_files.save(table, self.records, out, stem)
             if table.verdicts:
-                found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
+                verdicts = claims.records(
+                    table.verdicts, stem, str(results.meta.get("profile", ""))
+                )
                 paths.append(
-                    table_files.save_json(found, out / "tables" / f"{stem}{claims.SUFFIX}")
+                    table_files.save_json(verdicts, out / "tables" / f"{stem}{claims.SUFFIX}")
                 )
         if not self.draw:
             delete_figures(out, stem, formats)

@@ -227,23 +227,23 @@ class Results:
             if (clock or self.clock_of(case)) == "cpu"
             else self.repeats.wall_seconds
         )
-        known = rows[~np.isnan(seconds[rows])]
+        timed = rows[~np.isnan(seconds[rows])]
         return (
-            by_round(self.repeats.round[known], seconds[known])
+            by_round(self.repeats.round[timed], seconds[timed])
             if len(rows)
             else self.first_by_round(case, clock)
         )
 
     def prepare_by_round(self, case: int) -> dict[int, float]:
         """Returns the wall time to build all structures, by round; empty if there are none."""
-        found: dict[int, float] = {}
+        seconds: dict[int, float] = {}
         order, begin = self._preparation_by_case
         for row in order[begin[case] : begin[case + 1]]:
             number = int(self.preparation.round[row])
-            found[number] = found.get(number, 0.0) + float(
+            seconds[number] = seconds.get(number, 0.0) + float(
                 np.nan_to_num(self.preparation.seconds[row])
             )
-        return found
+        return seconds
 
     def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
         """Returns the time to prepare and give the first answer, by round: how long a user waits
@@ -296,18 +296,18 @@ class Results:
 
     @cached_property
     def _proven(self) -> dict[tuple[str, str, str, bytes], Interval]:
-        found: dict[tuple[str, str, str, bytes], Interval] = {}
+        proven: dict[tuple[str, str, str, bytes], Interval] = {}
         for case in range(len(self.cases)):
             intervals = [(self.cases.reference_lower[case], self.cases.reference_upper[case])]
             if self.cases.certified[case] == 1 and self.is_bounded(case):
                 intervals.append((self.cases.lower[case], self.cases.upper[case]))
             for lower, upper in intervals:
                 if np.isfinite(lower) and np.isfinite(upper):
-                    old = found.get(self._asked(case), Interval(-np.inf, np.inf))
-                    found[self._asked(case)] = Interval(
+                    old = proven.get(self._asked(case), Interval(-np.inf, np.inf))
+                    proven[self._asked(case)] = Interval(
                         max(old.lower, float(lower)), min(old.upper, float(upper))
                     )
-        return found
+        return proven
 
     def _asked(self, case: int) -> tuple[str, str, str, bytes]:
         poses: Floats = (

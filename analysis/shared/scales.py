@@ -37,7 +37,8 @@ class LogAxis:
             return
         step = max(1, -(-(high - low) // (most_ticks - 1)))
         decades = list(range(high, low - 1, -step))[::-1]
-        ticks, labels = [10.0**d for d in decades], [f"$10^{{{d}}}$" for d in decades]
+        ticks = [10.0**d for d in decades]
+        labels = [f"$10^{{{d}}}$" for d in decades]
         bottom = 10.0 ** (low - 0.7 * room)
         if self.has_zeros:
             ticks, labels, bottom = [self._zero] + ticks, ["0"] + labels, 10.0 ** (low - 3.9 * room)

@@ -71,7 +71,7 @@ def _files(folder: Path) -> dict[str, list[Path]]:
     The program reads them. Skips files of other kinds, and files that it cannot read, which it
     names on standard error.
     """
-    paths, found = sorted(folder.glob("*.h5")), dict[str, list[Path]]()
+    paths, files = sorted(folder.glob("*.h5")), dict[str, list[Path]]()
     for path, content in zip(paths, gate.ask("shapes", paths) if paths else ()):
         if " " in content:
             print(
@@ -79,8 +79,8 @@ def _files(folder: Path) -> dict[str, list[Path]]:
                 file=sys.stderr,
             )
         elif content:
-            found.setdefault(content, []).append(path)
-    return found
+            files.setdefault(content, []).append(path)
+    return files
 
 
 def _read(path: Path) -> tuple[Floats, Indices]:
@@ -155,9 +155,8 @@ def drawn(results: Results, case: int) -> Drawn:
     lack the subdivision."""
     fields = results.fields_of(case)
     if {"x", "y", "z", "a", "b", "c", "element"} <= fields.keys():
-        corners, triangles = (
-            np.column_stack([fields[name] for name in names]) for names in ("xyz", "abc")
-        )
+        corners = np.column_stack([fields[name] for name in "xyz"])
+        triangles = np.column_stack([fields[name] for name in "abc"])
         return Drawn(
             corners,
             triangles.astype(np.int64),

@@ -43,14 +43,14 @@ def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
     """Returns the scenes, solvers and other keys of a profile, each as text, so that profiles can
     be compared as sets."""
     top = experiment | experiment.get("profile", {}).get(profile, {})
-    tables = [
-        (kind, {key: value for key, value in table.items() if key not in ("profiles", "note")})
-        for kind in ("scene", "solver")
-        for table in top.get(kind, [])
-        if profile in table.get("profiles", [profile])
-    ]
+    tables = []
+    for kind in ("scene", "solver"):
+        for table in top.get(kind, []):
+            if profile in table.get("profiles", [profile]):
+                kept = {k: v for k, v in table.items() if k not in ("profiles", "note")}
+                tables.append((kind, kept))
     keys = [(key, value) for key, value in top.items() if key not in HOW]
-    return {json.dumps(one, sort_keys=True, default=str) for one in [*tables, *keys]}
+    return {json.dumps(part, sort_keys=True, default=str) for part in [*tables, *keys]}
 
 
 def tests_claims(results: Results) -> bool:
@@ -71,14 +71,14 @@ def kept_outcome(claim: claims.Claim, stem: str) -> str:
     """Returns the outcome at the paper's sizes, from the verdicts in results/reference; empty if
     there is none."""
     for path in sorted(REFERENCE.glob(f"*{claims.SUFFIX}")):
-        for one in claims.read(path):
-            if (one["paper"], one["id"], one["stem"], one["place"]) == (
+        for record in claims.read(path):
+            if (record["paper"], record["id"], record["stem"], record["place"]) == (
                 claim.entry.paper,
                 claim.entry.id,
                 stem,
                 claim.place,
-            ) and one["claim"] == claim.removeprefix(f"{claim.place}: "):
-                return str(one["outcome"])
+            ) and record["claim"] == claim.removeprefix(f"{claim.place}: "):
+                return str(record["outcome"])
     return ""
 
 

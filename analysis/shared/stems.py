@@ -39,8 +39,8 @@ def script_of(stem: str) -> Path:
 def named_in(script: Path) -> list[str]:
     """Returns the stems that a script lists as RESULTS_OF. Searches its text, because importing it
     would take seconds."""
-    found = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
-    return re.findall(r'"(\w+)"', found[1]) if found else []
+    match = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
+    return re.findall(r'"(\w+)"', match[1]) if match else []
 
 
 def module_of(stem: str) -> str:

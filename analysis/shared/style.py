@@ -204,9 +204,9 @@ def introduce(results: Results) -> None:
 def _unused(markers: str, used: set[str], k: int) -> str:
     """Returns the first of `markers` that is not in `used`, and adds it to `used`. If all are used,
     returns the k-th."""
-    found = next((marker for marker in markers if marker not in used), markers[k % len(markers)])
-    used.add(found)
-    return found
+    chosen = next((marker for marker in markers if marker not in used), markers[k % len(markers)])
+    used.add(chosen)
+    return chosen
 
 
 def set_width(inches: float) -> None:
@@ -234,19 +234,19 @@ def look(solver: str, label: str = "") -> Look:
     A solver that is neither in LOOKS nor passed to introduce() is grey, with a marker that depends
     only on its name.
     """
-    found = _look(solver, label)
+    plain = _look(solver, label)
     if not _in_front or _in_front in (label, label.partition("(")[0], solver if not label else ""):
-        return found
+        return plain
     k = _behind.setdefault(label or solver, len(_behind))
     return replace(
-        found, colour=("#A0A0A0", "#C4C4C4", "#808080")[k % 3], line=_LINES[k % len(_LINES)]
+        plain, colour=("#A0A0A0", "#C4C4C4", "#808080")[k % 3], line=_LINES[k % len(_LINES)]
     )
 
 
 def _look(solver: str, label: str) -> Look:
     if solver == "external" and label.partition("(")[0] in _own:
         solver = label.partition("(")[0]
-    known = (
+    base = (
         _own[solver]
         if solver in _own
         else LOOKS.get(
@@ -254,16 +254,16 @@ def _look(solver: str, label: str) -> Look:
         )
     )
     if label in ("", solver):
-        return known
+        return base
     if label in _variants:
         k, marker = _variants[label]
         return Look(
-            label, shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), marker, _LINES[k % len(_LINES)]
+            label, shade(base.colour, (0.0, 0.45, -0.35)[k % 3]), marker, _LINES[k % len(_LINES)]
         )
     variant = zlib.crc32(label.encode())
     return Look(
         label,
-        known.colour,
+        base.colour,
         "phd<>8"[variant % 6],
         (DOTTED, (0, (6, 2)), (0, (3, 1, 1, 1)))[variant % 3],
     )
@@ -384,9 +384,9 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
     def line(looks: Look) -> dict[str, Any]:
         return {"linestyle": looks.line, "linewidth": 0.9} if lines else {}
 
+    shown = [look(*pair) for pair in pairs]
     return [
-        Line2D([], [], label=looks.entry, **(filled_marker(looks) | line(looks)))
-        for looks in (look(*pair) for pair in pairs)
+        Line2D([], [], label=looks.entry, **(filled_marker(looks) | line(looks))) for looks in shown
     ]
 
 

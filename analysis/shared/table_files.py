@@ -41,25 +41,26 @@ def comma_separated(records: Sequence[Record]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, fields, restval="", lineterminator="\n")
     writer.writeheader()
-    writer.writerows({key: cell(value) for key, value in record.items()} for record in records)
+    for record in records:
+        writer.writerow({key: cell(value) for key, value in record.items()})
     return text.getvalue()
 
 
 def save_json(records: Sequence[Record], path: Path) -> Path:
     """Writes records as a JSON list, one record per line."""
-    lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in records)
+    lines = ",\n".join(json.dumps(record, ensure_ascii=False) for record in records)
     write_whole(path, f"[\n{lines}\n]\n" if records else "[]\n")
     return path
 
 
 def read_json(path: Path) -> list[Record]:
     """Reads what save_json() wrote. Raises ValueError if the file is damaged."""
-    found = json.loads(path.read_text(encoding="utf-8"))
-    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+    records = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(records, list) or not all(isinstance(record, dict) for record in records):
         raise ValueError(
             f"{path}: not a list of records: write it again with 'python3 -m analysis'"
         )
-    return found
+    return records
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

@@ -131,50 +131,46 @@ class Cells:
     @staticmethod
     def of(rows: Sequence[Sequence[str]], size: str) -> Cells:
         columns = list(zip(*rows))
-        natural = [max(text_width(cell, size) for cell in cells) * SPARE for cells in columns]
-        least = [
-            max(text_width(word, size) for cell in cells for word in unbroken(cell).split(" "))
-            * SPARE
-            for cells in columns
-        ]
+        natural, least = [], []
+        for cells in columns:
+            words = [word for cell in cells for word in unbroken(cell).split(" ")]
+            natural.append(max(text_width(cell, size) for cell in cells) * SPARE)
+            least.append(max(text_width(word, size) for word in words) * SPARE)
         return Cells(size, rows, natural, least)
 
     def height(self, columns: Sequence[int], widths: Sequence[float]) -> float:
-        lines = sum(
-            max(
+        lines = 0
+        for row in self.rows:
+            lines += max(
                 _lines(row[i], width, self.size) if width < self.natural[i] else 1
                 for i, width in zip(columns, widths)
             )
-            for row in self.rows
-        )
         return lines * SIZES[self.size][0] * 1.05 + 12
 
 
 def _block(cells: Cells, columns: list[int], room: float) -> list[float] | None:
-    return _shared(
-        [cells.natural[i] for i in columns],
-        [cells.least[i] for i in columns],
-        room - 2 * GAP * (len(columns) - 1),
-    )
+    natural = [cells.natural[i] for i in columns]
+    least = [cells.least[i] for i in columns]
+    return _shared(natural, least, room - 2 * GAP * (len(columns) - 1))
 
 
 def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None:
     """Returns the layout of these blocks of columns; None if a block is too wide for the page."""
     room, page = (PAGE_HEIGHT, PAGE_WIDTH) if sideways else (PAGE_WIDTH, PAGE_HEIGHT)
-    found: list[Block] = []
+    fitted: list[Block] = []
     height = 0.0
     for columns in blocks:
         widths = _block(cells, columns, room)
         if widths is None:
             return None
         height += cells.height(columns, widths) + 10
-        found.append(
+        fitted.append(
             {
                 i: width if width < cells.natural[i] - 0.01 else None
                 for i, width in zip(columns, widths)
             }
         )
-    return Layout(cells.size, sideways, height > page - AROUND, found)
+    return Layout(cells.size, sideways, height > page - AROUND, fitted)
 
 
 def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
@@ -185,10 +181,9 @@ def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
     possible.
     """
     first, others = list(range(kept)), len(cells.natural) - kept
-    tried = [[*parts, kept + others]] * bool(parts) + [
-        [kept + round(others * i / count) for i in range(count + 1)]
-        for count in range(2, others + 1)
-    ]
+    tried = [[*parts, kept + others]] if parts else []
+    for count in range(2, others + 1):
+        tried.append([kept + round(others * i / count) for i in range(count + 1)])
     for ends in tried:
         blocks = [first + list(range(low, high)) for low, high in zip(ends, ends[1:])]
         if all(_block(cells, block, PAGE_WIDTH) for block in blocks):
@@ -208,8 +203,10 @@ def layout(
     texts = [header, *rows]
     measured = {size: Cells.of(texts, size) for size in SIZES}
     everything = [list(range(len(header)))]
-    found = [_set(measured[size], everything, False) for size in ("small", "footnotesize")]
-    if plain := next((each for each in found if each and not each.wraps), None):
+    upright = [_set(measured[size], everything, False) for size in ("small", "footnotesize")]
+    if plain := next(
+        (candidate for candidate in upright if candidate and not candidate.wraps), None
+    ):
         return plain
     for size, sideways in (
         ("footnotesize", False),
@@ -227,5 +224,9 @@ def layout(
         _set(measured[size], _split(measured[size], kept, parts), False)
         for size in ("footnotesize", "scriptsize")
     ]
-    few = min((each for each in several if each), key=lambda each: len(each.blocks), default=None)
+    few = min(
+        (candidate for candidate in several if candidate),
+        key=lambda candidate: len(candidate.blocks),
+        default=None,
+    )
     return few or Layout("scriptsize", False, True, [dict.fromkeys(everything[0])])

@@ -35,12 +35,11 @@ class Table:
 
 def coverage_note(estimates: Iterable[Estimate]) -> str:
     """Returns the note that explains the intervals in brackets, with the number of rounds."""
-    known = [x for x in estimates if x.n]
-    if not known:
+    measured = [x for x in estimates if x.n]
+    if not measured:
         return "No times."
-    counts, least = sorted({x.n for x in known}), min(
-        (x.coverage for x in known if x.has_interval), default=0.0
-    )
+    counts = sorted({x.n for x in measured})
+    least = min((x.coverage for x in measured if x.has_interval), default=0.0)
     n = f"n = {counts[0]}" if len(counts) == 1 else f"n = {counts[0]} to {counts[-1]}"
     if counts[-1] == 1:
         return f"Single times ({n}): no interval."

@@ -30,7 +30,8 @@ def kept(path: Path) -> dict[str, str]:
     """Returns the kept hashes by model, and the first line under the name ""; empty if the list
     does not exist."""
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return {model: sha256 for sha256, _, model in (line.partition("  ") for line in lines)}
+    parts = [line.partition("  ") for line in lines]
+    return {model: sha256 for sha256, _, model in parts}
 
 
 def _cgal(results: Results) -> str:
@@ -45,7 +46,7 @@ def same_cgal(results: Results) -> bool:
 
 def models(results: Results) -> list[str]:
     """Returns the models that are not known to be the kept shapes of their names."""
-    known, same, columns = (
+    hashes, same, columns = (
         kept(LIST),
         same_cgal(results),
         (results.models.name, results.models.sha256, results.models.source),
@@ -53,7 +54,7 @@ def models(results: Results) -> list[str]:
     return sorted(
         str(name)
         for name, sha256, source in zip(*columns)
-        if known.get(name, sha256 if same or source != "derived" else "") != sha256
+        if hashes.get(name, sha256 if same or source != "derived" else "") != sha256
     )
 
 
@@ -77,12 +78,9 @@ def sentence(results: Results, found: Sequence[int]) -> str:
     bunny_half'; empty for no rows."""
     if not found:
         return ""
-    cases, other = (results.whole or results).cases, models(results)
-    named = [
-        name
-        for name in other
-        if any(name in (cases.source[row], cases.target[row]) for row in found)
-    ]
+    cases, names = (results.whole or results).cases, models(results)
+    used = {model for row in found for model in (cases.source[row], cases.target[row])}
+    named = [name for name in names if name in used]
     shown = ", ".join(named[:FEW]) + (f" and {len(named) - FEW} more" if len(named) > FEW else "")
     return f"{len(found):,} of {len(cases):,} rows are not of the kept shapes: {shown}"
 
@@ -99,15 +97,17 @@ def judged(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Ver
 
 
 def _judged(verdict: Verdict, results: Results, other: Sequence[int], stem: str) -> Verdict:
-    own = missing.own(verdict, results, other)
+    claim_rows = missing.own(verdict, results, other)
     claim = verdict.claim
-    before = sizes.kept_outcome(claim, stem) if own and isinstance(claim, claims.Claim) else ""
+    before = (
+        sizes.kept_outcome(claim, stem) if claim_rows and isinstance(claim, claims.Claim) else ""
+    )
     if verdict.outcome == UNTESTED or not before:
         return verdict
     return replace(
         verdict,
         outcome=UNTESTED,
-        evidence=f"{sentence(results, own)}; of those: {before}, see results/reference",
+        evidence=f"{sentence(results, claim_rows)}; of those: {before}, see results/reference",
         counted={},
         ratio=None,
     )
@@ -116,9 +116,9 @@ def _judged(verdict: Verdict, results: Results, other: Sequence[int], stem: str)
 def expect_none(results: Results) -> None:
     """Raises ResultError if there are such rows, because kept numbers must all be of the kept
     shapes."""
-    if found := rows(results):
+    if unlike_rows := rows(results):
         raise ResultError(
-            f"{results.path}: cannot be kept: {sentence(results, found)}: measure it with the CGAL of the kept numbers, or remove the line "
+            f"{results.path}: cannot be kept: {sentence(results, unlike_rows)}: measure it with the CGAL of the kept numbers, or remove the line "
             f"of a model that was changed on purpose from {LIST}"
         )
 

@@ -67,8 +67,8 @@ class Verdict:
             text += (
                 " Counted in "
                 + "; in ".join(
-                    f"{what} it {'' if verdict.outcome in (HOLDS, FAILS) else 'is '}{verdict.outcome} ({verdict.evidence})"
-                    for what, verdict in self.counted.items()
+                    f"{measure} it {'' if verdict.outcome in (HOLDS, FAILS) else 'is '}{verdict.outcome} ({verdict.evidence})"
+                    for measure, verdict in self.counted.items()
                 )
                 + "."
             )
@@ -95,36 +95,39 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     ratio is below 1. Here each ratio adds a chance to err, so Simes' test of "none is below 1"
     combines their one-sided sign tests, with an error of 5 % in total.
     """
-    known = [x for x in ratios if x.n]
-    if not known:
+    known_ratios = [x for x in ratios if x.n]
+    if not known_ratios:
         return Verdict(claim, UNTESTED, f"no ratios{why(ratios)}")
-    above = sum(x.separated and x.low > 1 for x in known)
-    below = sum(x.separated and x.high < 1 for x in known)
+    above = sum(x.separated and x.low > 1 for x in known_ratios)
+    below = sum(x.separated and x.high < 1 for x in known_ratios)
     outcome = (
         HOLDS
         if above == len(ratios)
         else FAILS
-        if simes(x.p_below for x in known) <= ERROR
+        if simes(x.p_below for x in known_ratios) <= ERROR
         else OPEN
     )
-    least, most = min(x.value for x in known), max(x.value for x in known)
-    rest, lost = len(known) - above - below, len(ratios) - len(known)
-    hopeless = simes(x.p_least for x in known) > ERROR
-    parts = (
-        [f"above 1 for {above} of {len(known)} {what}"]
-        + [f"below 1 for {below}"] * bool(below)
-        + [f"not separated for {rest}"] * bool(rest)
-        + [f"no ratio for {lost}{why(ratios)}"] * bool(lost)
-        + [f"ratio {numerals.bounds(least, most, limit=1.0, form='{} to {}')}"]
-        + [power_of(known, what)] * (outcome == OPEN)
-    )
+    values = [x.value for x in known_ratios]
+    least, most = min(values), max(values)
+    rest, lost = len(known_ratios) - above - below, len(ratios) - len(known_ratios)
+    hopeless = simes(x.p_least for x in known_ratios) > ERROR
+    parts = [f"above 1 for {above} of {len(known_ratios)} {what}"]
+    if below:
+        parts.append(f"below 1 for {below}")
+    if rest:
+        parts.append(f"not separated for {rest}")
+    if lost:
+        parts.append(f"no ratio for {lost}{why(ratios)}")
+    parts.append(f"ratio {numerals.bounds(least, most, limit=1.0, form='{} to {}')}")
+    if outcome == OPEN:
+        parts.append(power_of(known_ratios, what))
     verdict = Verdict(
         claim,
         outcome,
         ", ".join(part for part in parts if part),
         ratio=Ratio(math.nan, least, most),
     )
-    return weighed(verdict, known if hopeless else [])
+    return weighed(verdict, known_ratios if hopeless else [])
 
 
 def why(ratios: Iterable[Estimate]) -> str:
@@ -136,7 +139,8 @@ def why(ratios: Iterable[Estimate]) -> str:
 def power_of(ratios: Sequence[Estimate], what: str) -> str:
     """Says how many ratios below 1 `everywhere` needs for 'does not hold' with this number of
     rounds; empty if one is enough."""
-    chances, n, of = sorted(x.p_least for x in ratios), min(x.n for x in ratios), len(ratios)
+    chances, of = sorted(x.p_least for x in ratios), len(ratios)
+    n = min(x.n for x in ratios)
     needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
     if needed == 1:
         return ""
@@ -155,10 +159,11 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
     p-values (a partial conjunction, Benjamini and Heller 2008). The claim does not hold if the same
     test shows that at least half are below 1. Unknown ratios count for neither.
     """
-    n, known = len(ratios), [x.value for x in ratios if x.n]
-    if not known:
+    n, values = len(ratios), [x.value for x in ratios if x.n]
+    if not values:
         return Verdict(claim, UNTESTED, f"no {what}{why(ratios)}")
-    above, below = sorted(x.p_above for x in ratios), sorted(x.p_below for x in ratios)
+    above = sorted(x.p_above for x in ratios)
+    below = sorted(x.p_below for x in ratios)
     outcome = (
         HOLDS
         if simes(above[n // 2 :]) <= ERROR
@@ -166,13 +171,14 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
         if simes(below[(n + 1) // 2 - 1 :]) <= ERROR
         else OPEN
     )
-    clear = [sum(chance <= ERROR / 2 for chance in chances) for chances in (above, below)]
+    clear_above = sum(chance <= ERROR / 2 for chance in above)
+    clear_below = sum(chance <= ERROR / 2 for chance in below)
     verdict = Verdict(
         claim,
         outcome,
-        f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
-        f"ratio {numerals.number(min(known))} to {numerals.number(max(known))}",
-        ratio=Ratio(math.nan, min(known), max(known)),
+        f"above 1 for {clear_above} of {n} {what}, below 1 for {clear_below}, "
+        f"ratio {numerals.number(min(values))} to {numerals.number(max(values))}",
+        ratio=Ratio(math.nan, min(values), max(values)),
     )
     return weighed(
         verdict, ratios if simes(sorted(x.p_least for x in ratios)[n // 2 :]) > ERROR else []
@@ -190,16 +196,13 @@ def least_of(ratios: Sequence[Estimate]) -> Estimate:
         return NO_DATA
     least = min(ratios, key=lambda x: x.value)
     missed = sum(1 - x.coverage for x in ratios)
-    return Estimate(
-        least.value,
-        min(x.low for x in ratios),
-        min(x.high for x in ratios),
-        min(x.n for x in ratios),
-        max(0.0, 1 - missed),
-        max(x.p_above for x in ratios),
-        min(1.0, len(ratios) * min(x.p_below for x in ratios)),
-        max(x.p_least for x in ratios),
-    )
+    low = min(x.low for x in ratios)
+    high = min(x.high for x in ratios)
+    n = min(x.n for x in ratios)
+    p_above = max(x.p_above for x in ratios)
+    p_below = min(1.0, len(ratios) * min(x.p_below for x in ratios))
+    p_least = max(x.p_least for x in ratios)
+    return Estimate(least.value, low, high, n, max(0.0, 1 - missed), p_above, p_below, p_least)
 
 
 def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
@@ -303,8 +306,8 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
     if not taus:
         return Verdict(claim, UNTESTED, "fewer than two sizes")
     tau = median(taus)
-    known = tau.has_interval and tau.coverage >= 1 - ERROR
-    outcome = HOLDS if known and tau.low > 0 else FAILS if known and tau.high < 0 else OPEN
+    reliable = tau.has_interval and tau.coverage >= 1 - ERROR
+    outcome = HOLDS if reliable and tau.low > 0 else FAILS if reliable and tau.high < 0 else OPEN
     return weighed(
         Verdict(
             claim,
@@ -323,20 +326,23 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
     hold at once with 95 % (Bonferroni), and so does the interval of this factor, which follows from
     them.
     """
-    found = [median(values, 1 - ERROR / len(places)) for values in places]
-    known = [x for x in found if x.has_interval]
-    if len(places) < 3 or not known:
+    medians = [median(values, 1 - ERROR / len(places)) for values in places]
+    bounded = [x for x in medians if x.has_interval]
+    if len(places) < 3 or not bounded:
         return Verdict(claim, UNTESTED, "fewer than three places")
-    factor = max(x.value for x in known) / min(x.value for x in known)
-    least = max(1.0, max(x.low for x in known) / min(x.high for x in known))
-    most = max(x.high for x in known) / min(x.low for x in known)
-    sure = sum(1 - x.coverage for x in found) <= ERROR
+    values = [x.value for x in bounded]
+    lows = [x.low for x in bounded]
+    highs = [x.high for x in bounded]
+    factor = max(values) / min(values)
+    least = max(1.0, max(lows) / min(highs))
+    most = max(highs) / min(lows)
+    sure = sum(1 - x.coverage for x in medians) <= ERROR
     outcome = OPEN if not sure else HOLDS if most <= within else FAILS if least > within else OPEN
     return Verdict(
         claim,
         outcome,
-        f"from {numerals.number(min(x.value for x in known))} to "
-        f"{numerals.number(max(x.value for x in known))}, a factor of {numerals.number(factor)}"
+        f"from {numerals.number(min(values))} to "
+        f"{numerals.number(max(values))}, a factor of {numerals.number(factor)}"
         + (f" {numerals.bounds(least, most, limit=within)}" if sure else "")
         + f"; constant means within {within:g}",
     )
@@ -351,8 +357,8 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
     other place, which must be chosen without looking at the values compared here, so no correction
     is needed.
     """
-    known = [x for x in ratios if x.n]
-    if not known:
+    known_ratios = [x for x in ratios if x.n]
+    if not known_ratios:
         return Verdict(claim, UNTESTED, what + why(ratios))
     outcome = (
         HOLDS
@@ -361,7 +367,7 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
         if rival.n and rival.separated and rival.high < 1
         else OPEN
     )
-    return weighed(Verdict(claim, outcome, what), [rival] if rival.n else known)
+    return weighed(Verdict(claim, outcome, what), [rival] if rival.n else known_ratios)
 
 
 def least_among(
@@ -380,34 +386,37 @@ def least_among(
     if not rivals:
         return Verdict(claim, UNTESTED, "no times")
     allowed = min(ERROR / 2, ERROR / len(among))
-    clear = [
-        all(x[i].separated and x[i].p_above <= allowed for _, x in rivals)
-        for i in range(len(among))
-    ]
-    faster = [name for name, x in rivals if max(y.p_below for y in x) * len(rivals) <= ERROR]
-    below = [
-        name
-        for name, x in rivals
-        if name not in faster and all(y.separated and y.high < 1 for y in x)
-    ]
-    level = [
-        name
-        for name, x in rivals
-        if name not in faster + below and not any(y.separated and y.low > 1 for y in x)
-    ]
-    outcome = HOLDS if any(clear) else FAILS if faster else OPEN
-    blind = all(max(y.p_least for y in x) * len(rivals) > ERROR for _, x in rivals)
-    parts = (
-        [f"least at {best}"]
-        + [f"faster than {' and '.join(among)}: {', '.join(faster)}"] * bool(faster)
-        + [
+
+    def beats_rivals(i: int) -> bool:
+        return all(x[i].separated and x[i].p_above <= allowed for _, x in rivals)
+
+    def is_faster(x: Sequence[Estimate]) -> bool:
+        return max(y.p_below for y in x) * len(rivals) <= ERROR
+
+    def is_below(x: Sequence[Estimate]) -> bool:
+        return all(y.separated and y.high < 1 for y in x)
+
+    def is_slower(x: Sequence[Estimate]) -> bool:
+        return any(y.separated and y.low > 1 for y in x)
+
+    def cannot_refute(x: Sequence[Estimate]) -> bool:
+        return max(y.p_least for y in x) * len(rivals) > ERROR
+
+    faster = [name for name, x in rivals if is_faster(x)]
+    below = [name for name, x in rivals if name not in faster and is_below(x)]
+    level = [name for name, x in rivals if name not in faster + below and not is_slower(x)]
+    clear = any(beats_rivals(i) for i in range(len(among)))
+    outcome = HOLDS if clear else FAILS if faster else OPEN
+    parts = [f"least at {best}"]
+    if faster:
+        parts.append(f"faster than {' and '.join(among)}: {', '.join(faster)}")
+    if below:
+        parts.append(
             f"less time, but not less than one of {len(rivals)} may take by chance: {', '.join(below)}"
-        ]
-        * bool(below)
-        + [f"not separated from it: {', '.join(level)}"] * bool(level)
-        + [
-            f"{min(y.n for _, x in rivals for y in x)} rounds are too few to refute it for {len(rivals)} rivals"
-        ]
-        * (blind and outcome == OPEN)
-    )
+        )
+    if level:
+        parts.append(f"not separated from it: {', '.join(level)}")
+    if outcome == OPEN and all(cannot_refute(x) for _, x in rivals):
+        fewest = min(y.n for _, x in rivals for y in x)
+        parts.append(f"{fewest} rounds are too few to refute it for {len(rivals)} rivals")
     return Verdict(claim, outcome, "; ".join(parts))

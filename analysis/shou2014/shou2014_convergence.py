@@ -38,10 +38,9 @@ def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[
             key = (cases.label[row], str(options["form"]), int(options["depth"]))
         groups.setdefault(key, []).append(row)
     both = {key: join(results, rows) for key, rows in groups.items() if len(rows) == 2}
-    return (
-        {(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},
-        {float(k[0]): v for k, v in both.items() if len(k) == 1},
-    )
+    published = {(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3}
+    ours = {float(k[0]): v for k, v in both.items() if len(k) == 1}
+    return published, ours
 
 
 def make(results: Results) -> Report:
@@ -65,65 +64,60 @@ def make(results: Results) -> Report:
         ],
     )
     records: list[tables.Record] = []
-    for (label, form, depth), one in sorted(published.items()):
-        records.append({"method": label, "form": form, "voxels": 2**depth, **one.record()})
+    for (label, form, depth), answer in sorted(published.items()):
+        records.append({"method": label, "form": form, "voxels": 2**depth, **answer.record()})
     for depth in depths:
         if ("pruned pairs", "modified_affine", depth) not in published:
             continue
-        one = published["pruned pairs", "modified_affine", depth]
+        answer = published["pruned pairs", "modified_affine", depth]
         every = published.get(("all pairs", "modified_affine", depth))
         forms = [published.get(("pruned pairs", form, depth)) for form in FORMS]
         table.rows.append(
             [
                 f"{2**depth}³",
-                numerals.at_least(one.lower, 8),
-                numerals.at_most(one.upper, 8),
-                numerals.number(one.upper - one.lower),
-                "yes" if one.lower <= exact <= one.upper else "no",
+                numerals.at_least(answer.lower, 8),
+                numerals.at_most(answer.upper, 8),
+                numerals.number(answer.upper - answer.lower),
+                "yes" if answer.lower <= exact <= answer.upper else "no",
                 *[f"{f.evaluations:,}" if f else numerals.NOTHING for f in forms],
-                numerals.number(one.prepare),
-                numerals.number(one.solve),
-                f"{one.distances:,}",
+                numerals.number(answer.prepare),
+                numerals.number(answer.solve),
+                f"{answer.distances:,}",
                 numerals.number(every.solve) if every else numerals.NOTHING,
                 f"{every.distances:,}" if every else numerals.NOTHING,
             ]
         )
     rule = len(table.rows)
     for tolerance in sorted(ours, reverse=True):
-        one = ours[tolerance]
+        answer = ours[tolerance]
         table.rows.append(
             [
                 f"ours, {tolerance:g}",
-                numerals.at_least(one.lower, 10),
-                numerals.at_most(one.upper, 10),
-                numerals.number(one.upper - one.lower),
-                "yes" if one.lower <= exact <= one.upper else "no",
+                numerals.at_least(answer.lower, 10),
+                numerals.at_most(answer.upper, 10),
+                numerals.number(answer.upper - answer.lower),
+                "yes" if answer.lower <= exact <= answer.upper else "no",
                 *3 * [numerals.NOTHING],
-                f"{one.evaluations:,}",
-                numerals.number(one.prepare),
-                numerals.number(one.solve),
-                f"{one.distances:,}",
+                f"{answer.evaluations:,}",
+                numerals.number(answer.prepare),
+                numerals.number(answer.solve),
+                f"{answer.distances:,}",
                 numerals.NOTHING,
                 numerals.NOTHING,
             ]
         )
-        records.append({"method": "surface_enclosure", "tolerance": tolerance, **one.record()})
+        records.append({"method": "surface_enclosure", "tolerance": tolerance, **answer.record()})
     table.rules = {rule}
     table.verdicts = verdicts(published, exact)
-    different = sorted(
-        {
-            depth
-            for depth in depths
-            if len(
-                {
-                    (o.lower, o.upper)
-                    for (label, _, d), o in published.items()
-                    if d == depth and label == "pruned pairs"
-                }
-            )
-            > 1
+    different = []
+    for depth in depths:
+        intervals = {
+            (answer.lower, answer.upper)
+            for (label, _, d), answer in published.items()
+            if d == depth and label == "pruned pairs"
         }
-    )
+        if len(intervals) > 1:
+            different.append(depth)
     table.notes = [
         f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). {holding(published.values(), exact)} of the published method's intervals contain it, which the method "
         f"itself does not prove. {holding(ours.values(), exact)} of the proven ones ('ours') contain it.",
@@ -151,24 +145,24 @@ def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> lis
 
     def of(label: str) -> dict[int, Joined]:
         return {
-            depth: one
-            for (name, form, depth), one in sorted(published.items())
+            depth: answer
+            for (name, form, depth), answer in sorted(published.items())
             if (name, form) == (label, "modified_affine")
         }
 
     pruned, every = of("pruned pairs"), of("all pairs")
-    widths = {depth: one.upper - one.lower for depth, one in pruned.items()}
+    widths = {depth: answer.upper - answer.lower for depth, answer in pruned.items()}
     steps = [
         exactly(SHRINKS * widths[depth] / widths[depth + 1])
         for depth in widths
         if depth + 1 in widths
     ]
     work = [
-        exactly(every[depth + 1].distances / one.distances / WORK)
-        for depth, one in every.items()
-        if depth + 1 in every and one.distances
+        exactly(every[depth + 1].distances / answer.distances / WORK)
+        for depth, answer in every.items()
+        if depth + 1 in every and answer.distances
     ]
-    outside = sum(not one.lower <= exact <= one.upper for one in published.values())
+    outside = sum(not answer.lower <= exact <= answer.upper for answer in published.values())
     return [
         everywhere(claims.of("shou2014", "any_precision"), steps, "steps"),
         everywhere(claims.of("shou2014", "overwhelming"), work, "steps"),
@@ -184,7 +178,7 @@ def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> lis
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:
     """Returns how many intervals contain the exact distance: '3 of 4'."""
-    held = [one.lower <= exact <= one.upper for one in intervals]
+    held = [answer.lower <= exact <= answer.upper for answer in intervals]
     return f"{sum(held)} of {len(held)}"
 
 
@@ -231,22 +225,11 @@ def draw(
 def draw_interval(ax: Any, pruned: Points, exact: float, left: float) -> None:
     plain = style.look("interval_subdivision")
     x = [voxels for voxels, _ in pruned]
-    ax.fill_between(
-        x,
-        [one.lower for _, one in pruned],
-        [one.upper for _, one in pruned],
-        color=plain.colour,
-        alpha=0.15,
-        linewidth=0,
-    )
-    for end in ("lower", "upper"):
-        ax.plot(
-            x,
-            [getattr(one, end) for _, one in pruned],
-            color=plain.colour,
-            marker=plain.marker,
-            markersize=3.5,
-        )
+    lower = [answer.lower for _, answer in pruned]
+    upper = [answer.upper for _, answer in pruned]
+    ax.fill_between(x, lower, upper, color=plain.colour, alpha=0.15, linewidth=0)
+    for ends in (lower, upper):
+        ax.plot(x, ends, color=plain.colour, marker=plain.marker, markersize=3.5)
     ax.axhline(
         exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2))
     )
@@ -276,29 +259,28 @@ def look_of(form: str) -> dict[str, Any]:
 def draw_bounds(ax: Any, forms: dict[str, Points]) -> None:
     natural = dict(forms["natural"])
     for form, points in forms.items():
-        known = [(x, one.evaluations / natural[x].evaluations) for x, one in points if x in natural]
-        ax.plot(
-            [x for x, _ in known],
-            [y for _, y in known],
-            label=form.replace("_", " "),
-            **look_of(form),
-        )
+        shared = [(x, answer) for x, answer in points if x in natural]
+        voxels = [x for x, _ in shared]
+        relative = [answer.evaluations / natural[x].evaluations for x, answer in shared]
+        ax.plot(voxels, relative, label=form.replace("_", " "), **look_of(form))
     ax.set_ylabel("polynomial bounds, natural = 1")
 
 
 def draw_seconds(ax: Any, forms: dict[str, Points], pruned: Points, every: Points) -> None:
     for form, points in forms.items():
+        voxels = [x for x, _ in points]
         ax.plot(
-            [x for x, _ in points],
-            [one.prepare for _, one in points],
+            voxels,
+            [answer.prepare for _, answer in points],
             label=f"subdivision, {form.replace('_', ' ')}",
             **look_of(form),
         )
     colour = style.look("interval_subdivision").colour
     for points, name, face in ((pruned, "pruned pairs", colour), (every, "all pairs", "white")):
+        voxels = [x for x, _ in points]
         ax.plot(
-            [x for x, _ in points],
-            [one.solve for _, one in points],
+            voxels,
+            [answer.solve for _, answer in points],
             color=colour,
             marker="o",
             markersize=3.5,
@@ -314,24 +296,24 @@ def draw_seconds(ax: Any, forms: dict[str, Points], pruned: Points, every: Point
 def draw_widths(ax: Any, pruned: Points, every: Points, ours: list[Joined]) -> None:
     def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
         points = sorted(
-            ((one.upper - one.lower, one.prepare + one.solve) for one in members), reverse=True
+            ((answer.upper - answer.lower, answer.prepare + answer.solve) for answer in members),
+            reverse=True,
         )
+        times = [time for _, time in points]
+        widths = [width for width, _ in points]
         ax.plot(
-            [p[1] for p in points],
-            [p[0] for p in points],
-            **(style.filled_marker(looks) | {"linestyle": "-"} | more),
-            label=name,
+            times, widths, **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name
         )
 
     plain = style.look("interval_subdivision")
     line(
-        [one for _, one in every],
+        [answer for _, answer in every],
         plain,
         "all pairs",
         markerfacecolor="white",
         markeredgecolor=plain.colour,
     )
-    line([one for _, one in pruned], plain, "pruned pairs")
+    line([answer for _, answer in pruned], plain, "pruned pairs")
     line(ours, style.look("surface_enclosure"), "ours")
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -52,20 +52,19 @@ def join(results: Results, rows: list[int]) -> Joined:
     answer."""
     cases = results.cases
     bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
-    return Joined(
-        max(float(cases.lower[row]) for row in rows),
-        max(float(cases.upper[row]) for row in rows),
-        sum(results.prepare_seconds(row) for row in rows),
-        sum(
-            float(np.median(list(results.solve_by_round(row).values())))
-            if results.solve_by_round(row)
-            else float("nan")
-            for row in rows
-        ),
-        sum(int(cases.counters["box_distances"][row]) for row in rows),
-        sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows),
-        bad[0] if bad else "ok",
+    lower = max(float(cases.lower[row]) for row in rows)
+    upper = max(float(cases.upper[row]) for row in rows)
+    prepare = sum(results.prepare_seconds(row) for row in rows)
+    solve = sum(
+        float(np.median(list(results.solve_by_round(row).values())))
+        if results.solve_by_round(row)
+        else float("nan")
+        for row in rows
     )
+    distances = sum(int(cases.counters["box_distances"][row]) for row in rows)
+    evaluations = sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows)
+    status = bad[0] if bad else "ok"
+    return Joined(lower, upper, prepare, solve, distances, evaluations, status)
 
 
 def make(results: Results) -> Report:
@@ -79,14 +78,14 @@ def make(results: Results) -> Report:
             set(map(float, cases.tolerance[results.rows(label=label)])), reverse=True
         )
     ]
-    found = {
-        (label, tolerance): join(
-            results, [int(r) for r in results.rows(label=label) if cases.tolerance[r] == tolerance]
-        )
-        for _, label, tolerance in methods
-    }
+    answers = {}
+    for _, label, tolerance in methods:
+        rows = [int(row) for row in results.rows(label=label) if cases.tolerance[row] == tolerance]
+        answers[label, tolerance] = join(results, rows)
     doubtful = "seconds" in paper.get("doubtful", [])
-    all_pairs = next((one for (label, _), one in found.items() if label == "all pairs"), None)
+    all_pairs = next(
+        (answer for (label, _), answer in answers.items() if label == "all pairs"), None
+    )
     table = tables.Table(
         "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels per axis, and this project's enclosure.",
         [
@@ -110,29 +109,33 @@ def make(results: Results) -> Report:
             f"{paper['midpoint']:.11f}",
             f"{paper['error']:.11f}",
             numerals.NOTHING,
-            f"{paper['seconds']}{'?' * doubtful} (all)",
+            f"{paper['seconds']}{'?' if doubtful else ''} (all)",
             *3 * [numerals.NOTHING],
         ]
     )
     records: list[tables.Record] = []
     for solver, label, tolerance in methods:
-        one = found[label, tolerance]
-        ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
+        answer = answers[label, tolerance]
+        ratio = (
+            all_pairs.distances / answer.distances
+            if all_pairs and answer.distances
+            else float("nan")
+        )
         title = title_of(solver, label, tolerance)
         table.rows.append(
             [
-                title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
-                numerals.at_least(one.lower, 10),
-                numerals.at_most(one.upper, 10),
-                f"{(one.lower + one.upper) / 2:.11f}",
-                f"{(one.upper - one.lower) / 2:.3e}"
-                if one.upper - one.lower < 1e-3
-                else f"{(one.upper - one.lower) / 2:.11f}",
-                numerals.number(one.prepare),
-                numerals.number(one.solve),
-                f"{one.distances:,}",
+                title if answer.status == "ok" else f"{title} ({style.status_word(answer.status)})",
+                numerals.at_least(answer.lower, 10),
+                numerals.at_most(answer.upper, 10),
+                f"{(answer.lower + answer.upper) / 2:.11f}",
+                f"{(answer.upper - answer.lower) / 2:.3e}"
+                if answer.upper - answer.lower < 1e-3
+                else f"{(answer.upper - answer.lower) / 2:.11f}",
+                numerals.number(answer.prepare),
+                numerals.number(answer.solve),
+                f"{answer.distances:,}",
                 numerals.number(ratio),
-                f"{one.evaluations:,}",
+                f"{answer.evaluations:,}",
             ]
         )
         records.append(
@@ -140,8 +143,8 @@ def make(results: Results) -> Report:
                 "solver": solver,
                 "label": label,
                 "tolerance": tolerance,
-                "status": one.status,
-                **one.record(),
+                "status": answer.status,
+                **answer.record(),
                 "paper_lower": paper["lower"],
                 "paper_upper": paper["upper"],
                 "paper_seconds": float("nan") if doubtful else paper["seconds"],
@@ -158,26 +161,26 @@ def make(results: Results) -> Report:
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}.",
     ]
-    return Report(lambda: draw(methods, found, paper, exact), table, records)
+    return Report(lambda: draw(methods, answers, paper, exact), table, records)
 
 
 def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
     """Judges whether our interval for all pairs, its midpoint and its half-width equal the printed
     numbers."""
-    known = here if here and here.status == "ok" else None
-    found = (
+    answer = here if here and here.status == "ok" else None
+    numbers = (
         {
-            "lower": known.lower,
-            "upper": known.upper,
-            "midpoint": (known.lower + known.upper) / 2,
-            "error": (known.upper - known.lower) / 2,
+            "lower": answer.lower,
+            "upper": answer.upper,
+            "midpoint": (answer.lower + answer.upper) / 2,
+            "error": (answer.upper - answer.lower) / 2,
         }
-        if known
+        if answer
         else {}
     )
-    unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in found.items())
+    unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in numbers.items())
     return all_of(
-        claims.of("shou2014", "printed_interval"), unlike, len(found), len(found), "numbers"
+        claims.of("shou2014", "printed_interval"), unlike, len(numbers), len(numbers), "numbers"
     )
 
 
@@ -202,7 +205,7 @@ def title_of(solver: str, label: str, tolerance: float) -> str:
 
 def draw(
     methods: list[tuple[str, str, float]],
-    found: dict[tuple[str, float], Joined],
+    answers: dict[tuple[str, float], Joined],
     paper: dict[str, Any],
     exact: float,
 ) -> Any:
@@ -220,15 +223,15 @@ def draw(
         zorder=2,
     )  # open: printed
     for row, (solver, label, tolerance) in enumerate(methods, start=1):
-        looks, one = style.look(solver, label), found[label, tolerance]
+        looks, answer = style.look(solver, label), answers[label, tolerance]
         ax.plot(
-            [one.lower, one.upper],
+            [answer.lower, answer.upper],
             [row, row],
             color=looks.colour,
             linewidth=3,
             solid_capstyle="butt",
         )
-        ax.plot([(one.lower + one.upper) / 2], [row], **style.filled_marker(looks))
+        ax.plot([(answer.lower + answer.upper) / 2], [row], **style.filled_marker(looks))
         names.append(title_of(solver, label, tolerance))
     ax.axvline(exact, color="black", linewidth=0.7, linestyle=(0, (3, 2)), zorder=0)
     as_formula(

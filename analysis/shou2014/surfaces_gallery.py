@@ -111,14 +111,14 @@ def holds_distance(results: Results) -> Verdict:
     """Judges the claim that every interval of the published method contains the distance. Rows
     without one do not count."""
     cases, rows = results.cases, results.rows(solver="interval_subdivision")
-    known = [
+    bounded = [
         row
         for row in rows
         if np.isfinite([cases.lower[row], cases.upper[row], cases.exact[row]]).all()
     ]
-    unlike = sum(not holds(results, row, float(cases.exact[row])) for row in known)
+    unlike = sum(not holds(results, row, float(cases.exact[row])) for row in bounded)
     return all_of(
-        claims.of("shou2014", "holds_distance"), unlike, len(known), len(rows), "intervals"
+        claims.of("shou2014", "holds_distance"), unlike, len(bounded), len(rows), "intervals"
     )
 
 
@@ -130,7 +130,11 @@ def make(results: Results) -> Report:
         [
             "pair",
             "h",
-            *[f"{style.title(*pair)}{what}" for pair in labels for what in (": interval", ", s")],
+            *[
+                f"{style.title(*pair)}{column}"
+                for pair in labels
+                for column in (": interval", ", s")
+            ],
             "checked",
             "meshes off by, A",
             "B",
@@ -224,7 +228,7 @@ SOURCE_COLOUR, TARGET_COLOUR, OPACITY = "#333333", "#8FC1E3", 0.75
 def draw(results: Results, scenes: list[str]) -> Any:
     cases = results.cases
     models = results.models
-    known = {
+    surface_of = {
         name: Surface(text, models.box[row])
         for row, (name, text) in enumerate(zip(models.name, models.polynomial))
         if text
@@ -239,7 +243,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
         ax.set_axis_off()
     for ax, scene in zip(axes.flat, scenes):
         first = results.rows(scene=scene)[0]
-        surfaces = [known[model] for model in (cases.target[first], cases.source[first])]
+        surfaces = [surface_of[model] for model in (cases.target[first], cases.source[first])]
         axis, at, witness = plane_of(results, scene, surfaces[1])
         across = [k for k in range(3) if k != axis]
         for surface, colour in zip(surfaces, (TARGET_COLOUR, SOURCE_COLOUR)):

@@ -34,17 +34,17 @@ from analysis.speed.cliffs_curves import (
 
 def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
     """Judges each claim for each solver that counts its work."""
-    found = []
+    judged = []
     for claim in dict.fromkeys(family.claim for family in FAMILIES.values() if family.claim):
         for label, title in titles.items():
-            own = {
+            chosen = {
                 key: rows
                 for key, rows in curves.items()
                 if key[1] == label and FAMILIES[key[0]].claim == claim
             }
-            if any(not math.isnan(row.work) for rows in own.values() for row in rows):
-                found.append(verdict(claim, title, own))
-    return found
+            if any(not math.isnan(row.work) for rows in chosen.values() for row in rows):
+                judged.append(verdict(claim, title, chosen))
+    return judged
 
 
 def verdict(claim: str, title: str, curves: Curves) -> Verdict:
@@ -54,7 +54,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
     a missing answer, if there is one at ratio 1.
     """
     text = claims.of("hausbench", "no_cliff", work=claim, title=title, most=MOST)
-    known = {
+    measured = {
         family: rows
         for (family, _), rows in curves.items()
         if rows[0].ratio == 1 and not math.isnan(rows[0].work)
@@ -62,26 +62,26 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
     unknown = [
         f"{FAMILIES[family].title} has no work at ratio 1"
         for family, _ in curves
-        if family not in known
+        if family not in measured
     ]
     unknown += [
         f"{FAMILIES[family].title} ends at ratio {power(rows[-1].ratio)}"
-        for family, rows in known.items()
+        for family, rows in measured.items()
         if rows[-1].ratio < 1e12
     ]
     lost = Counter(
-        row.status for rows in known.values() for row in rows if row.status not in ANSWERED
+        row.status for rows in measured.values() for row in rows if row.status not in ANSWERED
     )
     evidence, factor = lost_text(lost) + unknown, math.nan
-    if known:
+    if measured:
         factor, worst, family = max(
-            ((*largest(rows, "work"), family) for family, rows in known.items()),
-            key=lambda found: found[0],
+            ((*largest(rows, "work"), family) for family, rows in measured.items()),
+            key=lambda entry: entry[0],
         )
         assert worst is not None
         evidence.insert(
             0,
-            f"in {len(known)} kind{'s' if len(known) > 1 else ''} of scene, largest {numerals.number(factor)} times, "
+            f"in {len(measured)} kind{'s' if len(measured) > 1 else ''} of scene, largest {numerals.number(factor)} times, "
             f"{FAMILIES[family].title} at ratio {power(worst.ratio)}",
         )
     outcome = (
@@ -97,7 +97,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
 def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list[str]:
     """Describes cliffs that end as A moves away: how much work grows, where it becomes constant,
     and why, if counters show it."""
-    found, nodes = [], results.cases.counters.get("node_visits")
+    notes, nodes = [], results.cases.counters.get("node_visits")
     for (key, label), rows in curves.items():
         factor, start = largest(rows, "work")[0], flat_from(rows)
         if not key.endswith("_away") or not factor > MOST or start is None or start is rows[0]:
@@ -117,8 +117,8 @@ def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list
                 ". There it visits no node of its octree, whose cells are split only down to the size of the first lower bound; that is larger than B, "
                 "so each search scans the points of B one by one"
             )
-        found.append(text + ".")
-    return found
+        notes.append(text + ".")
+    return notes
 
 
 def lost_text(lost: Counter[str]) -> list[str]:
@@ -131,11 +131,9 @@ def lost_text(lost: Counter[str]) -> list[str]:
 
 def make(results: Results) -> Report:
     curves = collect(results)
-    labels = [
-        pair
-        for pair in style.order(zip(results.cases.solver, results.cases.label))
-        if any(label == pair[1] for _, label in curves)
-    ]
+    drawn = {label for _, label in curves}
+    order = style.order(zip(results.cases.solver, results.cases.label))
+    labels = [(solver, label) for solver, label in order if label in drawn]
     titles = {label: style.title(solver, label) for solver, label in labels}
     table = tables.Table(
         "Work and time of each solver as two lengths of a scene grow apart, relative to ratio 1.",
@@ -159,25 +157,22 @@ def make(results: Results) -> Report:
                 table.rows.append([family.title, titles[label], *table_cells(rows)])
                 records += [record(results, key, row, rows) for row in rows]
     table.verdicts = verdicts_of(curves, titles)
-    answers = {
-        label: [
-            row.work
-            for (_, name), rows in curves.items()
-            if name == label
-            for row in rows
-            if row.status in ANSWERED
-        ]
-        for _, label in labels
-    }
+    answers: dict[str, list[float]] = {label: [] for _, label in labels}
+    for (_, label), rows in curves.items():
+        if label in answers:
+            answers[label] += [row.work for row in rows if row.status in ANSWERED]
     silent = [
         titles[label] for label, work in answers.items() if work and all(map(math.isnan, work))
     ]
-    table.notes += [
+    work_note = (
         "Work: distances, bounds, nodes of trees and polynomial bounds of one solve, together."
-        + f" No counts, only time: {', '.join(silent)}." * bool(silent)
-        + f" {titles.get('kdtree')}, a peer, counts only distances, not the nodes and bounds of its tree."
-        * any(not math.isnan(work) for work in answers.get("kdtree", []))
-        + one_seed(results, curves, titles),
+    )
+    if silent:
+        work_note += f" No counts, only time: {', '.join(silent)}."
+    if not all(map(math.isnan, answers.get("kdtree", []))):
+        work_note += f" {titles.get('kdtree')}, a peer, counts only distances, not the nodes and bounds of its tree."
+    table.notes += [
+        work_note + one_seed(results, curves, titles),
         *away_notes(results, curves, titles),
         "Time: preparing and solving. Ratio: a distance in the scene over the diagonal of the rest of it; base over height "
         "of a needle; degree of a surface, from 4 on; 1 / tolerance, from 10 on. A case may take "
@@ -193,13 +188,13 @@ def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:
         for (_, label), rows in curves.items()
         if takes_seed(results, rows[0].case)
     }
-    return f" With one seed, so one draw: {', '.join(drawn)}." * bool(drawn)
+    return f" With one seed, so one draw: {', '.join(drawn)}." if drawn else ""
 
 
 def table_cells(rows: Sequence[Row]) -> list[str]:
     cells = [f"{rows[0].work:,.0f}" if not math.isnan(rows[0].work) else numerals.NOTHING]
-    for what in ("work", "seconds"):
-        factor, worst = largest(rows, what)
+    for measure in ("work", "seconds"):
+        factor, worst = largest(rows, measure)
         cells += [numerals.number(factor), power(worst.ratio) if worst else numerals.NOTHING]
     return cells + (lost_text(Counter(row.status for row in rows if row.status != "ok")) or [""])
 

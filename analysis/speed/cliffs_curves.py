@@ -64,7 +64,7 @@ class Row:
     work: float
     seconds: float
     status: str
-    origin: Origin = Origin(False, "", "", "")  # origin of its time
+    origin: Origin = Origin(beside=False, machine="", build="", clock="")  # origin of its time
 
 
 Curves = dict[tuple[str, str], list[Row]]  # by (family, label), ascending in ratio
@@ -80,13 +80,13 @@ def place(results: Results, case: int) -> tuple[str, float]:
         )  # 10^k without its rounding error
     if scene in FAMILIES and FAMILIES[scene].axis == TOLERANCE:
         return scene, 1 / float(cases.tolerance[case])
-    found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
-    if not found or found[1] not in FAMILIES:
+    match = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
+    if not match or match[1] not in FAMILIES:
         raise ResultError(
             f"{results.path}: scene '{scene}' belongs to no family of analysis/speed/cliffs_curves.py: name it "
             "FAMILY_1eNN, with a family of the list FAMILIES there"
         )
-    return found[1], 10.0 ** int(found[3]) if found[2] else float(found[3])
+    return match[1], 10.0 ** int(match[3]) if match[2] else float(match[3])
 
 
 def collect(results: Results) -> Curves:
@@ -116,21 +116,23 @@ def collect(results: Results) -> Curves:
     return {key: sorted(rows, key=lambda row: row.ratio) for key, rows in curves.items()}
 
 
-def relative(rows: Sequence[Row], what: str) -> list[float]:
+def relative(rows: Sequence[Row], measure: str) -> list[float]:
     """Returns `work` or `seconds` of each row / of the first row; NaN if times are not
     comparable."""
-    values = [float(getattr(row, what)) for row in rows]
+    values = [float(getattr(row, measure)) for row in rows]
     return [
         math.nan
-        if what == "seconds" and reason_apart([row.origin, rows[0].origin])
+        if measure == "seconds" and reason_apart([row.origin, rows[0].origin])
         else value / values[0]
         for row, value in zip(rows, values)
     ]
 
 
-def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
-    known = [(value, row) for value, row in zip(relative(rows, what), rows) if math.isfinite(value)]
-    return max(known, key=lambda pair: pair[0]) if known else (math.nan, None)
+def largest(rows: Sequence[Row], measure: str) -> tuple[float, Row | None]:
+    finite = [
+        (value, row) for value, row in zip(relative(rows, measure), rows) if math.isfinite(value)
+    ]
+    return max(finite, key=lambda pair: pair[0]) if finite else (math.nan, None)
 
 
 def flat_from(rows: Sequence[Row]) -> Row | None:

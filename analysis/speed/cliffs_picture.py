@@ -26,11 +26,11 @@ _SPLIT: Final = "#117733"  # Guthe's algorithm with another way to split
 
 def look(solver: str, label: str) -> style.Look:
     """Returns the look of a solver in this figure."""
-    found = style.look(solver, label)
+    usual = style.look(solver, label)
     if solver in _OTHER and label == solver:
         colour, line = _OTHER[solver]
-        return replace(found, colour=colour, line=line)
-    return replace(found, colour=_SPLIT) if solver == "guthe" and label != solver else found
+        return replace(usual, colour=colour, line=line)
+    return replace(usual, colour=_SPLIT) if solver == "guthe" and label != solver else usual
 
 
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
@@ -45,21 +45,18 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
     figure.set_layout_engine("none")
     keys = list(FAMILIES)
     bands = [keys[i : i + ACROSS] for i in range(0, len(keys), ACROSS)]
-    limits = [
-        {
-            what: scale_of([rows for (key, _), rows in curves.items() if key in band], what)
-            for what in ("work", "seconds")
-        }
-        for band in bands
-    ]
+    limits = []
+    for band in bands:
+        in_band = [rows for (key, _), rows in curves.items() if key in band]
+        limits.append({measure: scale_of(in_band, measure) for measure in ("work", "seconds")})
     statuses: set[str] = set()
     for i, (key, family) in enumerate(FAMILIES.items()):
         left, floor = (
             0.52 + (i % ACROSS) * (WIDE + 0.2),
             height - (i // ACROSS) * deep - 0.26 - 2 * TALL,
         )
-        own = {label: curves[key, label] for _, label in labels if (key, label) in curves}
-        for what, bottom in (("work", floor + TALL + 0.06), ("seconds", floor)):
+        by_label = {label: curves[key, label] for _, label in labels if (key, label) in curves}
+        for measure, bottom in (("work", floor + TALL + 0.06), ("seconds", floor)):
             ax = figure.add_axes(
                 (
                     left / style.DOUBLE_COLUMN,
@@ -68,13 +65,13 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
                     TALL / height,
                 )
             )
-            statuses |= draw_frame(ax, own, labels, what, limits[i // ACROSS][what])
+            statuses |= draw_frame(ax, by_label, labels, measure, limits[i // ACROSS][measure])
             if i % ACROSS == 0:
-                ax.set_ylabel({"work": "relative work", "seconds": "relative time"}[what])
+                ax.set_ylabel({"work": "relative work", "seconds": "relative time"}[measure])
                 ax.yaxis.set_label_coords(-0.26, 0.5)
             else:
                 ax.tick_params(labelleft=False)
-            if what == "work":
+            if measure == "work":
                 ax.set_title(family.title, pad=3)
                 ax.tick_params(labelbottom=False)
             else:
@@ -83,19 +80,19 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
     return figure
 
 
-def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
+def scale_of(curves: Sequence[Sequence[Row]], measure: str) -> tuple[float, float]:
     """Returns the limits of the vertical axis for a row of frames, with space at the top for
     letters."""
-    values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
+    values = [x for rows in curves for x in relative(rows, measure) if math.isfinite(x) and x > 0]
     low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
     return low, high * (high / low) ** 0.2
 
 
 def draw_frame(
     ax: Any,
-    own: dict[str, list[Row]],
+    by_label: dict[str, list[Row]],
     labels: Iterable[tuple[str, str]],
-    what: str,
+    measure: str,
     limits: tuple[float, float],
 ) -> set[str]:
     """Draws a line per solver, and at the top a letter for each case without an answer.
@@ -106,27 +103,24 @@ def draw_frame(
     ax.set_yscale("log")
     ax.set_ylim(*limits)
     ax.axhline(MOST, color=style.GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1)
-    ratios = sorted({row.ratio for rows in own.values() for row in rows})
+    ratios = sorted({row.ratio for rows in by_label.values() for row in rows})
     lost: Counter[float] = Counter()
     statuses: set[str] = set()
     for solver, label in labels:
-        if label not in own:
+        if label not in by_label:
             continue
-        rows, looks = own[label], look(solver, label)
-        known = [
+        rows, looks = by_label[label], look(solver, label)
+        points = [
             (row.ratio, y, row.status)
-            for row, y in zip(rows, relative(rows, what))
+            for row, y in zip(rows, relative(rows, measure))
             if math.isfinite(y)
         ]
+        ratios_drawn = [x for x, _, _ in points]
+        values = [y for _, y, _ in points]
         ax.plot(
-            [x for x, _, _ in known],
-            [y for _, y, _ in known],
-            color=looks.colour,
-            linestyle=looks.line,
-            linewidth=0.9,
-            zorder=3,
+            ratios_drawn, values, color=looks.colour, linestyle=looks.line, linewidth=0.9, zorder=3
         )
-        for x, y, status in known:
+        for x, y, status in points:
             ax.plot(
                 [x],
                 [y],
@@ -138,7 +132,7 @@ def draw_frame(
         for row in rows:
             if row.status not in ANSWERED:
                 letter_of_panel = (
-                    9 if what == "seconds" and row.ratio == ratios[0] else 0
+                    9 if measure == "seconds" and row.ratio == ratios[0] else 0
                 )  # in points, below the panel's letter
                 statuses.add(row.status)
                 ax.annotate(
@@ -172,15 +166,11 @@ def draw_frame(
 def add_legend(
     figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], height: float
 ) -> None:
-    handles = [
-        Line2D(
-            [],
-            [],
-            label=looks.entry,
-            **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}),
-        )
-        for looks in (look(*pair) for pair in labels)
-    ]
+    handles = []
+    for solver, label in labels:
+        looks = look(solver, label)
+        marker = style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}
+        handles.append(Line2D([], [], label=looks.entry, **marker))
     legend = figure.legend(
         handles=handles,
         loc="lower center",

@@ -54,13 +54,13 @@ def width(results: Results, case: int) -> float:
 
 
 def cells_of(results: Results) -> dict[Key, Cell]:
-    cases, found = results.cases, dict[Key, list[int]]()
+    cases, groups = results.cases, dict[Key, list[int]]()
     for row in range(len(cases)):
         if cases.solver[row] in (OURS, RIVAL):  # programs are drawn by statistics_programs
-            found.setdefault(
+            groups.setdefault(
                 (str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []
             ).append(row)
-    return {key: Cell(results, rows) for key, rows in found.items()}
+    return {key: Cell(results, rows) for key, rows in groups.items()}
 
 
 def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
@@ -70,20 +70,17 @@ def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
         frozenset[Origin]().union(*(cell.origins for pair in pairs for cell in pair))
     ):
         return lacking
-    rounds = [one.times.keys() & other.times.keys() for one, other in pairs]
+    rounds = [first.times.keys() & second.times.keys() for first, second in pairs]
     shared = set[int]().union(*rounds).intersection(*rounds)
     if not pairs or not shared:
         return NO_DATA
-    means = {
-        number: [
-            float(scipy.stats.gmean([cell.times[number] for cell in side])) for side in zip(*pairs)
-        ]
-        for number in shared
-    }
-    return ratio_by_round(
-        {number: one / by for number, (one, _) in means.items()},
-        {number: other for number, (_, other) in means.items()},
-    )
+    above, below = {}, {}
+    for number in shared:
+        first_mean = scipy.stats.gmean([first.times[number] for first, _ in pairs])
+        second_mean = scipy.stats.gmean([second.times[number] for _, second in pairs])
+        above[number] = float(first_mean) / by
+        below[number] = float(second_mean)
+    return ratio_by_round(above, below)
 
 
 def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
@@ -94,13 +91,13 @@ def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
     one of them did not answer is left out and counted.
     """
     claim = claims.of("hausbench", "statistics_monte_carlo", aim=AIM, width=f"{FINE:g}")
-    asked = [
+    scenes = [
         scene
         for scene, label, tolerance in cells
         if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")
     ]
     answered, widths = list[tuple[Cell, Cell]](), list[float]()
-    for scene in asked:
+    for scene in scenes:
         ours = next(
             cell
             for (name, label, tolerance), cell in cells.items()
@@ -118,10 +115,10 @@ def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
         return Verdict(claim, UNTESTED, f"no pair answered at {FINE:g}")
     verdict, unended, bound = (
         above_one(claim, mean_ratio(answered, AIM)),
-        len(asked) - len(answered),
+        len(scenes) - len(answered),
         max(widths) > 1.01 * FINE,
     )
-    evidence = f"{'at least ' * bound}{numerals.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
+    evidence = f"{'at least ' if bound else ''}{numerals.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
     if bound:
         evidence += f"; Monte Carlo was run to a width of {max(widths):g}, which takes less time"
     if unended:
@@ -154,23 +151,21 @@ def judge_slopes(results: Results) -> Verdict:
     """Judges that the mean's width falls like pieces^SLOPE or faster on every pair: 'holds' if
     every interval is below SLOPE, 'does not hold' if one is above."""
     claim = claims.of("hausbench", "statistics_exponent", most=SLOPE)
-    found = [
+    fits = [
         fit
         for scene in results.scenes
         if scene.endswith(", mean") and (fit := slope(results, scene))
     ]
-    if not found:
+    if not fits:
         return Verdict(claim, UNTESTED, "no pair has three widths")
-    below, above = (
-        sum(chosen)
-        for chosen in ([high < SLOPE for *_, high in found], [low > SLOPE for _, low, _ in found])
-    )
-    outcome = FAILS if above else HOLDS if below == len(found) else OPEN
-    slopes = sorted(value for value, *_ in found)
+    below = sum(high < SLOPE for *_, high in fits)
+    above = sum(low > SLOPE for _, low, _ in fits)
+    outcome = FAILS if above else HOLDS if below == len(fits) else OPEN
+    slopes = sorted(value for value, *_ in fits)
     return Verdict(
         claim,
         outcome,
-        f"below for {below} of {len(found)} pairs, above for {above}; slopes {slopes[0]:.2f} to {slopes[-1]:.2f}",
+        f"below for {below} of {len(fits)} pairs, above for {above}; slopes {slopes[0]:.2f} to {slopes[-1]:.2f}",
     )
 
 
@@ -271,7 +266,7 @@ def counted(results: Results, cell: Cell | None, name: str) -> str:
 def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
     """Returns a note on the widths at which the two solvers take the same time, by the lines of the
     figure."""
-    found = []
+    crossed = []
     for statistic in statistics_of(results):
         ours, rival = (line(results, cells, statistic, label) for label in (OURS, RIVAL))
         shared = sorted(ours.keys() & rival.keys(), reverse=True)
@@ -279,12 +274,14 @@ def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
         for (t, a), (u, b) in zip(zip(shared, logs), list(zip(shared, logs))[1:]):
             if a < 0 <= b:
                 at = np.exp(np.log(t) + (np.log(u) - np.log(t)) * -a / (b - a))
-                found.append(f"{TITLES.get(statistic, statistic)}: {numerals.number(float(at), 2)}")
+                crossed.append(
+                    f"{TITLES.get(statistic, statistic)}: {numerals.number(float(at), 2)}"
+                )
     return (
         [
-            f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."
+            f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(crossed)}. Narrower intervals take Monte Carlo longer."
         ]
-        if found
+        if crossed
         else []
     )
 
@@ -346,8 +343,8 @@ def extrapolated_rival(results: Results, cells: dict[Key, Cell]) -> list[str]:
         ):
             continue
         times = {
-            asked: cell.time.value
-            for (name, of, asked), cell in cells.items()
+            width: cell.time.value
+            for (name, of, width), cell in cells.items()
             if (name, of) == (scene, RIVAL) and not cell.failures and cell.time.n
         }
         if len(times) < 2 or min(times) < 1.01 * FINE:
@@ -379,11 +376,11 @@ def line(
     scenes = [scene for scene in results.scenes if scene.endswith(f", {statistic}")]
     times = dict[float, float]()
     for tolerance in {tolerance for scene, name, tolerance in cells if name == label}:
-        known = [
+        reached = [
             cells[scene, label, tolerance] for scene in scenes if (scene, label, tolerance) in cells
         ]
-        if len(known) == len(scenes) and not any(cell.failures for cell in known):
-            times[tolerance] = float(scipy.stats.gmean([cell.time.value for cell in known]))
+        if len(reached) == len(scenes) and not any(cell.failures for cell in reached):
+            times[tolerance] = float(scipy.stats.gmean([cell.time.value for cell in reached]))
     return times
 
 
@@ -412,17 +409,13 @@ def draw(results: Results, cells: dict[Key, Cell]) -> Any:
                     for (name, of, tolerance), cell in cells.items()
                     if name == scene and of == label and not cell.failures and cell.time.n
                 )
-                ax.plot(
-                    [time for _, time in points],
-                    [tolerance for tolerance, _ in points],
-                    color=looks.colour,
-                    linewidth=0.5,
-                    alpha=0.4,
-                )
-            mean = sorted(line(results, cells, statistic, label).items())
+                times = [time for _, time in points]
+                widths = [tolerance for tolerance, _ in points]
+                ax.plot(times, widths, color=looks.colour, linewidth=0.5, alpha=0.4)
+            mean = dict(sorted(line(results, cells, statistic, label).items()))
             ax.plot(
-                [time for _, time in mean],
-                [tolerance for tolerance, _ in mean],
+                list(mean.values()),
+                list(mean.keys()),
                 **style.filled_marker(looks) | {"linestyle": "-", "linewidth": 1.4},
             )
         ax.set_xscale("log")

@@ -144,11 +144,11 @@ def times_of(results: Results) -> dict[int, Estimate]:
 
 def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
     """Returns the median over rounds, each of which is the median over seeds."""
-    found: dict[int, list[float]] = {}
+    by_round: dict[int, list[float]] = {}
     for case in cases:
         for number, seconds in total_by_round(results, case).items():
-            found.setdefault(number, []).append(seconds)
-    return median([float(np.median(values)) for values in found.values()])
+            by_round.setdefault(number, []).append(seconds)
+    return median([float(np.median(values)) for values in by_round.values()])
 
 
 def curve_of(results: Results, case: int) -> Curve:
@@ -177,12 +177,12 @@ def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]
         old = finest.setdefault((series, results.names[row]), row)
         if results.cases.tolerance[row] < results.cases.tolerance[old]:
             finest[series, results.names[row]] = row
-    found: dict[Series, list[Curve]] = {}
+    curves: dict[Series, list[Curve]] = {}
     for (series, _), row in finest.items():
         curve = curve_of(results, row)
         if len(curve.seconds):
-            found.setdefault(series, []).append(curve)
-    return found
+            curves.setdefault(series, []).append(curve)
+    return curves
 
 
 def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
@@ -196,17 +196,17 @@ def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
                 (series_of(results, row), resolution_of(results, row), float(cases.tolerance[row])),
                 [],
             ).append(row)
-    found: dict[tuple[Series, str, float, float], Answer] = {}
+    answers: dict[tuple[Series, str, float, float], Answer] = {}
     for (series, resolution, _), same in sorted(groups.items(), key=lambda group: group[0][2]):
         case = same[0]
         gap, time = results.gap(case) / results.length_unit(case), over_seeds(results, same)
         read_off = read_off_from(results, case) is not None
         ok = all(cases.status[row] == "ok" for row in same)
-        found.setdefault(
+        answers.setdefault(
             (series, resolution, gap, time.value),
             Answer(series, case, resolution, time, gap, ok, read_off, cases.certified[case] == 1),
         )
-    return list(found.values())
+    return list(answers.values())
 
 
 def errors(results: Results, case: int, lower: Floats, upper: Floats) -> Errors:
@@ -232,11 +232,11 @@ def errors_of(results: Results, case: int) -> Errors:
 
 def least_shown(results: Results) -> float:
     """Returns the gap below which all gaps are drawn at the same height."""
-    asked = [
+    tolerances = [
         results.cases.tolerance_absolute[case] / results.length_unit(case)
         for case in range(len(results.cases))
     ]
-    return float(max(ROUNDING, min(FINER * np.min(asked, initial=np.inf), LEAST_SHOWN)))
+    return float(max(ROUNDING, min(FINER * np.min(tolerances, initial=np.inf), LEAST_SHOWN)))
 
 
 def reference_width(results: Results, case: int) -> float:
@@ -257,7 +257,7 @@ def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Fl
     when all have a value."""
     times = np.unique(np.concatenate([seconds for seconds, _ in lines]))
     values = np.array([steps_at(times, *line) for line in lines])
-    times, values = times[known := ~np.isnan(values).any(axis=0)], values[:, known]
+    times, values = times[complete := ~np.isnan(values).any(axis=0)], values[:, complete]
     if not len(times):
         return times, times, times, times
     return times, values.min(axis=0), np.median(values, axis=0), values.max(axis=0)
@@ -280,7 +280,9 @@ def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
             front.append((seconds, gap))
     if front:
         front.append((points[-1][0], front[-1][1]))
-    return np.array([x for x, _ in front]), np.array([y for _, y in front])
+    times = np.array([x for x, _ in front])
+    gaps = np.array([y for _, y in front])
+    return times, gaps
 
 
 def tracing_cost(results: Results, case: int) -> float:

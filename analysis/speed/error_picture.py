@@ -73,19 +73,19 @@ def lost_of(results: Results, rows: list[int]) -> list[tuple[Series, str, str]]:
     Solvers whose accuracy depends on a resolution do not fail by missing the tolerance; they get an
     open marker.
     """
-    cases, found, asked = (
+    cases, failures, tolerances = (
         results.cases,
         dict[tuple[Series, str], set[float]](),
         dict[Series, set[float]](),
     )
     for row in rows:
         series, status = error_curves.series_of(results, row), str(cases.status[row])
-        asked.setdefault(series, set()).add(float(cases.tolerance[row]))
+        tolerances.setdefault(series, set()).add(float(cases.tolerance[row]))
         if status != "ok" and not (error_curves.joined(series) and results.is_bounded(row)):
-            found.setdefault((series, status), set()).add(float(cases.tolerance[row]))
+            failures.setdefault((series, status), set()).add(float(cases.tolerance[row]))
     return [
-        (series, status, f"{len(at)}" if at != asked[series] else "")
-        for (series, status), at in sorted(found.items())
+        (series, status, f"{len(at)}" if at != tolerances[series] else "")
+        for (series, status), at in sorted(failures.items())
     ]
 
 
@@ -104,13 +104,13 @@ def bands_of(results: Results, panels: Sequence[Panel]) -> list[tuple[str, list[
     """Returns the rows of the figure, each with as many panels of one kind of shapes as fit its
     width."""
     across = max(1, int((style.width() - LEFT + PITCH - WIDE) / PITCH))
-    found: dict[str, list[Panel]] = {}
+    by_domain: dict[str, list[Panel]] = {}
     for panel in panels:
-        found.setdefault(domain_of(results, panel), []).append(panel)
+        by_domain.setdefault(domain_of(results, panel), []).append(panel)
     return [
-        (domain, all_of[i : i + across])
-        for domain, all_of in found.items()
-        for i in range(0, len(all_of), across)
+        (domain, in_domain[i : i + across])
+        for domain, in_domain in by_domain.items()
+        for i in range(0, len(in_domain), across)
     ]
 
 
@@ -123,14 +123,13 @@ def draw(
 ) -> Any:
     """Draws all panels at computed positions; a layout engine would shrink the frames to fit the
     marks in their margins."""
-    bands = [
-        (domain, [shown_of(results, panel, rows_of[panel]) for panel in some])
-        for domain, some in bands_of(results, panels)
-    ]
+    bands = []
+    for domain, some in bands_of(results, panels):
+        bands.append((domain, [shown_of(results, panel, rows_of[panel]) for panel in some]))
     width = style.width()
     figure = plt.figure(figsize=(width, 1.0))
     figure.set_layout_engine("none")
-    legends = [style.handles(style.order(each)) for each in _entries(bands)]
+    legends = [style.handles(style.order(series)) for series in _entries(bands)]
     columns = [_columns(figure, handles) for handles in legends]
     notes = textwrap.wrap(" ".join(filter(None, [_key(bands), footnote])), int(24 * width))
     tall = [
@@ -198,23 +197,17 @@ def _entries(bands: list[tuple[str, list[Shown]]]) -> list[list[Series]]:
     for domain, band in bands:
         of[domain] = list(
             dict.fromkeys(
-                [*of.get(domain, []), *(series for one in band for series in _series(one))]
+                [*of.get(domain, []), *(series for shown in band for series in _series(shown))]
             )
         )
-    return [
-        of[domain] if domain not in [other for other, _ in bands[i + 1 :]] else []
-        for i, (domain, _) in enumerate(bands)
-    ]
+    last = {domain: i for i, (domain, _) in enumerate(bands)}
+    return [of[domain] if i == last[domain] else [] for i, (domain, _) in enumerate(bands)]
 
 
-def _series(one: Shown) -> list[Series]:
-    return style.order(
-        [
-            *(answer.series for answer in one.answers),
-            *one.curves,
-            *(series for series, *_ in one.lost),
-        ]
-    )
+def _series(shown: Shown) -> list[Series]:
+    answered = [answer.series for answer in shown.answers]
+    lost = [series for series, *_ in shown.lost]
+    return style.order([*answered, *shown.curves, *lost])
 
 
 def _draw_band(
@@ -222,7 +215,7 @@ def _draw_band(
 ) -> None:
     width, height = figure.get_size_inches()
     scale = _scale(results, band)
-    for i, one in enumerate(band):
+    for i, shown in enumerate(band):
         left, floor = LEFT + i * PITCH, top - TITLE - 2 * TALL - BETWEEN
         below, above = (
             figure.add_axes((left / width, y / height, WIDE / width, TALL / height))
@@ -230,20 +223,20 @@ def _draw_band(
         )
         above.sharex(below)
         below.set_xscale("log")
-        for ax, floor, room in ((above, one.least, 0.04), (below, one.floor, LETTER)):
+        for ax, floor, room in ((above, shown.least, 0.04), (below, shown.floor, LETTER)):
             scale.apply(ax, floor, room, labels=i == 0)
-        _tolerances(above, results, one)
-        _draw_gap(above, scale, results, one)
-        _draw_error(below, scale, results, one)
+        _tolerances(above, results, shown)
+        _draw_gap(above, scale, results, shown)
+        _draw_error(below, scale, results, shown)
         scales.log_ticks(below.xaxis)
         above.tick_params(labelbottom=False)
-        above.set_title(titles[one.panel], pad=3)
+        above.set_title(titles[shown.panel], pad=3)
         below.set_xlabel("prepare + solve (s)", labelpad=1)
         style.margin_marks(
             above,
             [
                 (style.look(*series), style.status_letter(status) + at)
-                for series, status, at in one.lost
+                for series, status, at in shown.lost
             ],
             height=72 * (2 * TALL + BETWEEN),
         )
@@ -304,12 +297,12 @@ class Scale:
 
 
 def _scale(results: Results, band: list[Shown]) -> Scale:
-    values = [np.array([answer.gap for one in band for answer in one.answers])]
-    for one in band:
-        for answer in one.answers:
-            found = error_curves.errors_of(results, answer.case)
-            values += [found.middle, found.lower]
-        for curves in one.curves.values():
+    values = [np.array([answer.gap for shown in band for answer in shown.answers])]
+    for shown in band:
+        for answer in shown.answers:
+            errors = error_curves.errors_of(results, answer.case)
+            values += [errors.middle, errors.lower]
+        for curves in shown.curves.values():
             for curve in curves:
                 size = results.length_unit(curve.case)
                 values.append((curve.upper - curve.lower) / size)
@@ -322,15 +315,15 @@ def _scale(results: Results, band: list[Shown]) -> Scale:
     return Scale(least, low, max(low + 1, int(np.ceil(np.log10(x.max()))) if len(x) else 0))
 
 
-def _tolerances(ax: Any, results: Results, one: Shown) -> None:
+def _tolerances(ax: Any, results: Results, shown: Shown) -> None:
     """Marks the requested tolerances with ticks and faint lines."""
     cases = results.cases
-    asked = {
+    tolerances = {
         float(cases.tolerance_absolute[row] / results.length_unit(row))
-        for row in one.rows
+        for row in shown.rows
         if not error_curves.joined(error_curves.series_of(results, row))
     }
-    for tolerance in sorted(asked):
+    for tolerance in sorted(tolerances):
         if not tolerance > 0:
             continue
         ax.axhline(tolerance, color="#C9C9C9", linewidth=0.4, linestyle=(0, (2, 2)), zorder=0.6)
@@ -402,9 +395,11 @@ def _joined(
             if answer.series == series
         )
         looks = style.look(*series)
+        times = [x for x, _ in points]
+        values = [y for _, y in points]
         ax.plot(
-            [x for x, _ in points],
-            scale.place([y for _, y in points], floor),
+            times,
+            scale.place(values, floor),
             color=looks.colour,
             linestyle=looks.line,
             linewidth=0.8,
@@ -421,8 +416,8 @@ def _marker(ax: Any, answer: Answer, at: float) -> None:
     ax.plot([answer.time.value], [at], zorder=4 if answer.read_off else 4.5, **marker)
 
 
-def _draw_gap(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
-    floor, front = one.least, error_curves.stairs(one.answers, one.least)
+def _draw_gap(ax: Any, scale: Scale, results: Results, shown: Shown) -> None:
+    floor, front = shown.least, error_curves.stairs(shown.answers, shown.least)
     ax.plot(
         front[0],
         scale.place(front[1], floor),
@@ -431,49 +426,52 @@ def _draw_gap(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
         gid="front",
         **STAIRS,
     )
-    for series, curves in one.curves.items():
-        known = [(curve, np.isfinite(curve.upper)) for curve in curves]
+    for series, curves in shown.curves.items():
+        bounded = [(curve, np.isfinite(curve.upper)) for curve in curves]
         size = results.length_unit(curves[0].case)
         _band(
             ax,
             scale,
             floor,
             series,
-            [(curve.seconds[has], (curve.upper - curve.lower)[has] / size) for curve, has in known],
+            [
+                (curve.seconds[has], (curve.upper - curve.lower)[has] / size)
+                for curve, has in bounded
+            ],
         )
-    _joined(ax, scale, floor, one.answers, {answer.case: answer.gap for answer in one.answers})
-    for answer in one.answers:
+    _joined(ax, scale, floor, shown.answers, {answer.case: answer.gap for answer in shown.answers})
+    for answer in shown.answers:
         _marker(ax, answer, float(scale.place(answer.gap, floor)))
 
 
-def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
+def _draw_error(ax: Any, scale: Scale, results: Results, shown: Shown) -> None:
     """Draws the error of the middle of each interval, with a bar between the errors of its two
     bounds.
 
     Without an upper bound, draws the error of the lower bound.
     """
-    for series, curves in one.curves.items():
+    for series, curves in shown.curves.items():
         middles, lowers = [], []
         for curve in curves:
-            has, found = np.isfinite(curve.upper), error_curves.errors(
+            has, errors = np.isfinite(curve.upper), error_curves.errors(
                 results, curve.case, curve.lower, curve.upper
             )
-            middles.append((curve.seconds[has], found.middle[has]))
+            middles.append((curve.seconds[has], errors.middle[has]))
             until = int(np.argmax(has)) if has.any() else len(has)
             lowers.append(
-                (curve.seconds[: until + 1], found.lower[: until + 1])
+                (curve.seconds[: until + 1], errors.lower[: until + 1])
                 if until
-                else (curve.seconds[:0], found.lower[:0])
+                else (curve.seconds[:0], errors.lower[:0])
             )
-        _band(ax, scale, one.floor, series, middles)
-        _band(ax, scale, one.floor, series, lowers, linestyle=(0, (0.8, 1.1)), linewidth=1.0)
+        _band(ax, scale, shown.floor, series, middles)
+        _band(ax, scale, shown.floor, series, lowers, linestyle=(0, (0.8, 1.1)), linewidth=1.0)
     heights = {}
-    for answer in one.answers:
-        found = error_curves.errors_of(results, answer.case)
-        if not np.isfinite(found.middle[0]):
+    for answer in shown.answers:
+        errors = error_curves.errors_of(results, answer.case)
+        if not np.isfinite(errors.middle[0]):
             continue  # no certified solver has an answer
-        heights[answer.case] = float(found.middle[0])
-        ends = scale.place(np.sort([found.lower[0], found.upper[0]]), one.floor)
+        heights[answer.case] = float(errors.middle[0])
+        ends = scale.place(np.sort([errors.lower[0], errors.upper[0]]), shown.floor)
         ax.plot(
             [answer.time.value] * 2,
             ends,
@@ -482,31 +480,28 @@ def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
             alpha=0.55,
             zorder=2.5,
         )
-        _marker(ax, answer, float(scale.place(found.middle[0], one.floor)))
+        _marker(ax, answer, float(scale.place(errors.middle[0], shown.floor)))
     _joined(
-        ax, scale, one.floor, [answer for answer in one.answers if answer.case in heights], heights
+        ax,
+        scale,
+        shown.floor,
+        [answer for answer in shown.answers if answer.case in heights],
+        heights,
     )
 
 
 def _key(bands: list[tuple[str, list[Shown]]]) -> str:
     """Returns the text that explains the lines, markers and letters in the figure."""
-    shown = [one for _, band in bands for one in band]
-    answers = [answer for one in shown for answer in one.answers]
-    curves = [curve for one in shown for some in one.curves.values() for curve in some]
-    parts = (
-        [
-            "Lines: "
-            + ", or ".join(
-                ["one traced run, scaled to end at the median of the timed runs"] * bool(curves)
-                + ["one solver at several resolutions"]
-                * any(error_curves.joined(answer.series) for answer in answers)
-            )
-            + "."
-        ]
-        if curves or any(error_curves.joined(answer.series) for answer in answers)
-        else []
-    )
-    if any(len(some) > 1 for one in shown for some in one.curves.values()):
+    all_shown = [shown for _, band in bands for shown in band]
+    answers = [answer for shown in all_shown for answer in shown.answers]
+    curves = [curve for shown in all_shown for some in shown.curves.values() for curve in some]
+    lines = []
+    if curves:
+        lines.append("one traced run, scaled to end at the median of the timed runs")
+    if any(error_curves.joined(answer.series) for answer in answers):
+        lines.append("one solver at several resolutions")
+    parts = [f"Lines: {', or '.join(lines)}."] if lines else []
+    if any(len(some) > 1 for shown in all_shown for some in shown.curves.values()):
         parts.append("Bands: all seeds.")
     parts.append(
         "Grey stairs: the Pareto front of the certified answers. Bars: interval of the median time; errors of the lower and of the upper bound, "
@@ -519,8 +514,8 @@ def _key(bands: list[tuple[str, list[Shown]]]) -> str:
     if any(not answer.ok for answer in answers):
         parts.append("Open: the tolerance was not reached.")
     parts.append(
-        f"Grey area: less than the width of the reference, or {numerals.number(shown[0].least, 1)}."
+        f"Grey area: less than the width of the reference, or {numerals.number(all_shown[0].least, 1)}."
     )
-    if letters := style.letters_key({status for one in shown for _, status, _ in one.lost}):
+    if letters := style.letters_key({status for shown in all_shown for _, status, _ in shown.lost}):
         parts.append(f"At the right, not ok (a number: at how many tolerances): {letters}.")
     return " ".join(parts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -64,18 +64,14 @@ def make(results: Results) -> Report:
         f"Measured on {measured_on(results)}.",
     ]
     drawn = [panel for panel in panels if run_rows(results, panel)] or panels
-    return Report(
-        lambda: error_picture.draw(
-            results,
-            drawn,
-            {panel: run_rows(results, panel) for panel in drawn},
-            {panel: panel_title(panel, panels) for panel in drawn},
-            footnote(results, times),
-        ),
-        table,
-        [record(results, case, times.get(case)) for case in range(len(cases))],
-        clock=clock(results),
-    )
+
+    def draw() -> Any:
+        rows_of = {panel: run_rows(results, panel) for panel in drawn}
+        titles = {panel: panel_title(panel, panels) for panel in drawn}
+        return error_picture.draw(results, drawn, rows_of, titles, footnote(results, times))
+
+    records = [record(results, case, times.get(case)) for case in range(len(cases))]
+    return Report(draw, table, records, clock=clock(results))
 
 
 def clock(results: Results) -> str:
@@ -142,16 +138,14 @@ def message(results: Results, panels: Sequence[Panel], times: dict[int, Estimate
 def lines(results: Results, rows: Sequence[int]) -> list[list[int]]:
     """Groups rows by line of the table: one solver with one choice of parameters, with all its
     seeds and tolerances."""
-    found: dict[tuple[str, str, str], list[int]] = {}
+    groups: dict[tuple[str, str, str], list[int]] = {}
     for row in rows:
-        found.setdefault(
+        groups.setdefault(
             (*error_curves.series_of(results, row), error_curves.resolution_of(results, row)), []
         ).append(row)
-    order = {
-        series: i
-        for i, series in enumerate(style.order((solver, label) for solver, label, _ in found))
-    }
-    return [found[key] for key in sorted(found, key=lambda key: order[key[:2]])]
+    every_series = style.order((solver, label) for solver, label, _ in groups)
+    order = {series: i for i, series in enumerate(every_series)}
+    return [groups[key] for key in sorted(groups, key=lambda key: order[key[:2]])]
 
 
 def line_title(results: Results, rows: Sequence[int]) -> str:
@@ -182,17 +176,19 @@ def cost_of_tracing(results: Results, case: int) -> float:
 def tracing_note(results: Results) -> str:
     """Returns a note on the cost of tracing: the median over all traced runs, and over the runs of
     the solver that it slows most."""
-    cases, found = results.cases, dict[str, list[float]]()
+    cases, by_solver = results.cases, dict[str, list[float]]()
     for case in map(int, np.flatnonzero(cases.from_trace == 0)):
         if np.isfinite(cost := cost_of_tracing(results, case)):
-            found.setdefault(str(cases.solver[case]), []).append(cost)
-    if not found:
+            by_solver.setdefault(str(cases.solver[case]), []).append(cost)
+    if not by_solver:
         return ""
-    each = {solver: float(np.median(costs)) for solver, costs in found.items()}
-    worst, all_of = max(each, key=lambda solver: each[solver]), np.concatenate(list(found.values()))
+    medians = {solver: float(np.median(costs)) for solver, costs in by_solver.items()}
+    worst, all_costs = max(medians, key=lambda solver: medians[solver]), np.concatenate(
+        list(by_solver.values())
+    )
     return (
-        f"Tracing a run of {1e3 * LEAST_TRACED:.0f} ms and more takes {percent(float(np.median(all_of)))} % longer (median of {len(all_of)}); the "
-        f"largest median of one solver is {percent(each[worst])} % ({style.title(worst)})."
+        f"Tracing a run of {1e3 * LEAST_TRACED:.0f} ms and more takes {percent(float(np.median(all_costs)))} % longer (median of {len(all_costs)}); the "
+        f"largest median of one solver is {percent(medians[worst])} % ({style.title(worst)})."
     )
 
 
@@ -217,9 +213,9 @@ def left_out(results: Results, panels: Sequence[Panel]) -> list[str]:
     labels = style.order(zip(results.cases.solver, results.names))
     for panel in panels:
         run = {results.names[r] for r in run_rows(results, panel)}
-        asked = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
+        requested = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
         for solver, label in labels:
-            if label in asked - run:
+            if label in requested - run:
                 where.setdefault(panel_title(panel, panels), []).append(style.title(solver, label))
     parts = [f"{title}: {', '.join(names)}" for title, names in where.items()]
     why = "they do not take the shapes, were not built, or a model is missing"
@@ -256,25 +252,27 @@ def distances(results: Results, case: int) -> int:
 def error_cells(results: Results, case: int) -> list[str]:
     """Formats the errors of the middle and of the lower bound; '≤ x' if the reference is only known
     to within x."""
-    found, width = error_curves.errors_of(results, case), error_curves.reference_width(
+    errors, width = error_curves.errors_of(results, case), error_curves.reference_width(
         results, case
     )
     return [
         f"≤ {numerals.at_most(width, 1)}"
         if 0 < width and value <= width
         else numerals.number(value, 2)
-        for value in (float(found.middle[0]), float(found.lower[0]))
+        for value in (float(errors.middle[0]), float(errors.lower[0]))
     ]
 
 
 def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) -> list[str]:
     """Returns the cells of a line of the table, from its rows with bounds at the finest
     tolerance."""
-    asked = {results.cases.status[r]: set[float]() for r in rows if results.cases.status[r] != "ok"}
+    missed = {
+        results.cases.status[r]: set[float]() for r in rows if results.cases.status[r] != "ok"
+    }
     for r in rows:
         if results.cases.status[r] != "ok":
-            asked[results.cases.status[r]].add(float(results.cases.tolerance[r]))
-    why = ", ".join(f"{len(at)} {style.status_word(status)}" for status, at in asked.items())
+            missed[results.cases.status[r]].add(float(results.cases.tolerance[r]))
+    why = ", ".join(f"{len(at)} {style.status_word(status)}" for status, at in missed.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
         return [numerals.NOTHING] * 7 + [why]
@@ -314,14 +312,14 @@ def record(results: Results, case: int, time: Estimate | None) -> tables.Record:
     row |= {
         name: float(getattr(cases, name)[case]) for name in ("source_diagonal", "lower", "upper")
     }
-    found = error_curves.errors_of(results, case)
+    errors = error_curves.errors_of(results, case)
     row |= {"relative_gap": results.gap(case) / size if time else np.nan}
     row |= {
         f"relative_{name}_error": float(values[0]) if time else np.nan
         for name, values in (
-            ("lower", found.lower),
-            ("middle", found.middle),
-            ("upper", found.upper),
+            ("lower", errors.lower),
+            ("middle", errors.middle),
+            ("upper", errors.upper),
         )
     }
     row |= {

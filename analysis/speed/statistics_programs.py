@@ -79,12 +79,12 @@ class Runs:
     def enough(self, program: str, scene: str, error: float) -> Estimated | None:
         """Returns the run with the fewest samples such that it and all larger runs have at most
         this error; None if the largest run has a larger one."""
-        found = None
+        fewest = None
         for run in reversed(self.programs[program].get(scene, [])):
             if not run.error <= error:
                 break
-            found = run
-        return found
+            fewest = run
+        return fewest
 
     def ours(self, scene: str, error: float) -> int | None:
         rows = [
@@ -106,21 +106,17 @@ class Runs:
     def mean_ratio(self, pairs: Sequence[tuple[int, int]]) -> Estimate:
         """Returns the geometric mean over pairs of (time of the first row / time of the second),
         over the rounds that all have."""
-        times = [(self.times(one), self.times(other)) for one, other in pairs]
+        first_times = [self.times(first) for first, _ in pairs]
+        second_times = [self.times(second) for _, second in pairs]
         shared = (
-            set[int]()
-            .union(*(one.keys() for one, _ in times))
-            .intersection(*(own.keys() for pair in times for own in pair))
+            set[int]().union(*first_times).intersection(*first_times).intersection(*second_times)
         )
         if not shared:
             return NO_DATA
-        above, below = (
-            {
-                number: float(scipy.stats.gmean([pair[side][number] for pair in times]))
-                for number in shared
-            }
-            for side in (0, 1)
-        )
+        above, below = {}, {}
+        for number in shared:
+            above[number] = float(scipy.stats.gmean([times[number] for times in first_times]))
+            below[number] = float(scipy.stats.gmean([times[number] for times in second_times]))
         return ratio_by_round(above, below)
 
 
@@ -151,9 +147,9 @@ def make(results: Results) -> Report:
             "error",
             f"{style.title(OURS)}, ms",
             *[
-                f"{program}{what}"
+                f"{program}{ending}"
                 for program in runs.programs
-                for what in (", samples", ", error", ", ms", " / ours")
+                for ending in (", samples", ", error", ", ms", " / ours")
             ],
         ],
         left=2,
@@ -170,15 +166,15 @@ def make(results: Results) -> Report:
                 if ours is not None
                 else numerals.NOTHING,
             ]
-            for program, own in runs.programs.items():
+            for program, by_scene in runs.programs.items():
                 enough = runs.enough(program, scene, error)
                 if enough is None:
                     largest = (
-                        own[scene][-1].error if own.get(scene) else np.nan
+                        by_scene[scene][-1].error if by_scene.get(scene) else np.nan
                     )  # without a proven interval, the error is not a number
                     word = (
                         numerals.NOTHING
-                        if own.get(scene)
+                        if by_scene.get(scene)
                         else style.status_word(runs.failed.get(program, {}).get(scene, ""))
                     )
                     row += (
@@ -209,9 +205,9 @@ def make(results: Results) -> Report:
             "status": str(results.cases.status[run.row]),
             **tables.seconds(median(list(runs.times(run.row).values()))),
         }
-        for program, own in runs.programs.items()
-        for found in own.values()
-        for run in found
+        for program, by_scene in runs.programs.items()
+        for estimates in by_scene.values()
+        for run in estimates
     ]
     table.verdicts = [judge(runs, program, error) for program in runs.programs for error in ERRORS]
     table.notes += [
@@ -227,7 +223,10 @@ def make(results: Results) -> Report:
         "A point of distribution (ours) is one pair and one tolerance; its error is the width of the proven interval."
     )
     drawn = any(
-        run.error > 0 for own in runs.programs.values() for found in own.values() for run in found
+        run.error > 0
+        for by_scene in runs.programs.values()
+        for estimates in by_scene.values()
+        for run in estimates
     )
     return Report(
         (lambda: draw(runs)) if drawn else None,
@@ -242,29 +241,28 @@ def draw(runs: Runs) -> Any:
     results = runs.results
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     handles = []
-    for k, (program, own) in enumerate(runs.programs.items()):
-        points = [
-            (float(np.median(list(runs.times(run.row).values()))), run.error)
-            for found in own.values()
-            for run in found
-            if run.error > 0
-        ]
+    for k, (program, by_scene) in enumerate(runs.programs.items()):
+        drawn = [run for estimates in by_scene.values() for run in estimates if run.error > 0]
+        times = [float(np.median(list(runs.times(run.row).values()))) for run in drawn]
+        errors = [run.error for run in drawn]
         looks: dict[str, Any] = {
             "color": COLOURS[k % len(COLOURS)],
             "marker": MARKERS[k % len(MARKERS)],
             "markersize": 3,
             "linestyle": "none",
         }
-        ax.plot([time for time, _ in points], [error for _, error in points], **looks)
+        ax.plot(times, errors, **looks)
         handles.append(Line2D([], [], label=program, **looks))
     mine = [
-        (float(np.median(list(runs.times(row).values()))), results.gap(row) / results.middle(row))
+        row
         for scene in runs.scenes
         for row in results.rows(scene=scene, label=OURS)
         if results.is_bounded(row) and results.gap(row) > 0
     ]
+    our_times = [float(np.median(list(runs.times(row).values()))) for row in mine]
+    our_widths = [results.gap(row) / results.middle(row) for row in mine]
     look = style.filled_marker(style.look(OURS, OURS)) | {"linestyle": "none"}
-    ax.plot([time for time, _ in mine], [width for _, width in mine], **look)
+    ax.plot(our_times, our_widths, **look)
     handles.append(Line2D([], [], label=style.title(OURS), **look))
     ax.set_xscale("log")
     ax.set_yscale("log")

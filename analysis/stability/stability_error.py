@@ -30,8 +30,8 @@ def make(results: Results) -> Report:
     for family in families:
         table.rules.add(len(table.rows))
         for pair in suite.labels_of(family.kind):
-            if own := family.asked(pair[1]):
-                table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
+            if answers := family.asked(pair[1]):
+                table.rows.append([family.title, look(*pair).title, *cells(suite, answers)])
     table.notes = [
         "Error: the larger of |lower - h| and |upper - h|; for CGAL, which gives one number, |answer - h|. u = 2^-53, M: the largest coordinate; "
         "a tolerance below 40 u M is below the precision of doubles. Over all severities and tolerances.",
@@ -40,8 +40,8 @@ def make(results: Results) -> Report:
     records = [
         record(suite, family, answer)
         for family in families
-        for own in family.answers.values()
-        for answer in own.values()
+        for answers in family.answers.values()
+        for answer in answers.values()
         if answer in family.asked(answer.label)
     ]
     return Report(lambda: draw(suite, choose(families, ill)), table, records, clock=NO_TIMES)
@@ -50,8 +50,8 @@ def make(results: Results) -> Report:
 def has_exact(suite: Suite, family: Family) -> bool:
     return all(
         math.isfinite(suite.results.cases.exact[answer.row])
-        for own in family.answers.values()
-        for answer in own.values()
+        for answers in family.answers.values()
+        for answer in answers.values()
     )
 
 
@@ -60,8 +60,8 @@ def ill(family: Family) -> float:
     return float(
         any(
             answer.outcome == Outcome.WRONG
-            for own in family.answers.values()
-            for answer in own.values()
+            for answers in family.answers.values()
+            for answer in answers.values()
         )
     )
 
@@ -95,11 +95,11 @@ def floor(suite: Suite, answer: Answer) -> float:
     )
 
 
-def cells(suite: Suite, own: list[Answer]) -> list[str]:
-    worst = largest([(error(suite, answer), answer) for answer in own])
-    wrong = sum(answer.outcome == Outcome.WRONG for answer in own)
-    silent = sum(math.isnan(error(suite, answer)) for answer in own)
-    counts = [f"{count} of {len(own)}" if count else "" for count in (wrong, silent)]
+def cells(suite: Suite, answers: list[Answer]) -> list[str]:
+    worst = largest([(error(suite, answer), answer) for answer in answers])
+    wrong = sum(answer.outcome == Outcome.WRONG for answer in answers)
+    silent = sum(math.isnan(error(suite, answer)) for answer in answers)
+    counts = [f"{count} of {len(answers)}" if count else "" for count in (wrong, silent)]
     if worst is None:
         return [numerals.NOTHING] * 4 + counts
     value, answer = worst

@@ -60,7 +60,8 @@ class Family:
     def tolerances(self) -> list[float]:
         """All tolerances, the coarsest first."""
         return sorted(
-            {tolerance for own in self.answers.values() for _, tolerance in own}, reverse=True
+            {tolerance for by_step in self.answers.values() for _, tolerance in by_step},
+            reverse=True,
         )
 
     @property
@@ -96,9 +97,9 @@ class Family:
 
     def finest(self, label: str) -> list[Answer]:
         """Returns the answer of each step at the finest tolerance, the mildest severity first."""
-        own = self.answers.get(label, {})
+        by_step = self.answers.get(label, {})
         least: dict[Step, Answer] = {}
-        for (step, tolerance), answer in own.items():
+        for (step, tolerance), answer in by_step.items():
             if step not in least or tolerance < least[step].tolerance:
                 least[step] = answer
         return [least[step] for step in self.steps if step in least]
@@ -118,7 +119,9 @@ class Suite:
             if self.judge.ending(row).legal
             and judge(self.judge.ending(row)) != Outcome.NOT_APPLICABLE
         }
-        self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
+        self.families = [
+            self._family(name, kind, family_rows) for (name, kind), family_rows in rows.items()
+        ]
 
     def _kinds(self) -> list[str]:
         """Returns the kind of shapes of each row.
@@ -129,16 +132,18 @@ class Suite:
         cases, models = self.results.cases, dict(
             zip(self.results.models.name, self.results.models.kind)
         )
-        known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
+        kinds = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
         of_family = {
-            str(family): kind for family, kind in zip(cases.family, known) if family and kind
+            str(family): kind for family, kind in zip(cases.family, kinds) if family and kind
         }
-        found: list[str] = []
-        for row, kind in enumerate(known):
-            found.append(
-                kind or of_family.get(str(cases.family[row])) or (found[-1] if found else KINDS[0])
+        filled: list[str] = []
+        for row, kind in enumerate(kinds):
+            filled.append(
+                kind
+                or of_family.get(str(cases.family[row]))
+                or (filled[-1] if filled else KINDS[0])
             )
-        return found
+        return filled
 
     def _scene(self, row: int) -> str:
         """Returns the name of the scene without the statistic that load() adds: all statistics of a
@@ -168,14 +173,14 @@ class Suite:
         cases, ending = self.results.cases, self.judge.ending(row)
         # Invalid input is refused for all solvers, so those that do not accept such shapes are
         # sorted out here.
-        asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
+        applicable = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(
             row,
             str(self.results.names[row]),
             float(cases.severity[row]),
             float(cases.tolerance[row]),
             ending.certified,
-            judge(ending) if asked else Outcome.NOT_APPLICABLE,
+            judge(ending) if applicable else Outcome.NOT_APPLICABLE,
             self.judge.can_be_met(row),
             ending.legal,
             ending.status,
@@ -192,8 +197,8 @@ class Suite:
             (
                 answer
                 for family in self.families
-                for own in family.answers.values()
-                for answer in own.values()
+                for by_step in family.answers.values()
+                for answer in by_step.values()
             ),
             key=lambda answer: answer.row,
         )
@@ -204,8 +209,8 @@ class Suite:
         return {
             answer.row: family
             for family in self.families
-            for own in family.answers.values()
-            for answer in own.values()
+            for by_step in family.answers.values()
+            for answer in by_step.values()
         }
 
     def of_kind(self, kind: str) -> list[Family]:
@@ -213,15 +218,14 @@ class Suite:
 
     def labels_of(self, kind: str) -> list[Label]:
         """Returns the solvers that accept shapes of this kind: some row is not NOT_APPLICABLE."""
-        return [
-            pair
-            for pair in self.labels
-            if any(
-                answer.outcome != Outcome.NOT_APPLICABLE
-                for family in self.of_kind(kind)
-                for answer in family.of(pair[1])
-            )
-        ]
+        accepting = {
+            answer.label
+            for family in self.of_kind(kind)
+            for by_step in family.answers.values()
+            for answer in by_step.values()
+            if answer.outcome != Outcome.NOT_APPLICABLE
+        }
+        return [pair for pair in self.labels if pair[1] in accepting]
 
     def is_certified(self, label: str) -> bool:
         """Tells whether a solver is certified; false if it was never run."""
@@ -231,16 +235,16 @@ class Suite:
 def ordered(pairs: Iterable[Label]) -> list[Label]:
     """Sorts like style.order(), but puts each algorithm as printed (with its errors) after the
     corrected one."""
-    known = style.order(pairs)
-    found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
-    for pair in (pair for pair in known if pair[0] in AS_PRINTED):
+    in_order = style.order(pairs)
+    placed: list[Label] = [pair for pair in in_order if pair[0] not in AS_PRINTED]
+    for pair in (pair for pair in in_order if pair[0] in AS_PRINTED):
         after = [
             i
-            for i, (solver, _) in enumerate(found)
+            for i, (solver, _) in enumerate(placed)
             if solver == pair[0].removesuffix("_as_printed")
         ]
-        found.insert(after[-1] + 1 if after else len(found), pair)
-    return found
+        placed.insert(after[-1] + 1 if after else len(placed), pair)
+    return placed
 
 
 def look(solver: str, label: str) -> style.Look:

@@ -37,15 +37,14 @@ NAMED: Final = 12  # the evidence against a claim names at most this many places
 
 def make(results: Results) -> Report:
     suite = Suite(results)
-    parts = {
-        kind: [
+    parts = {}
+    for kind in KINDS:
+        parts[kind] = [
             answer.row
             for family in suite.of_kind(kind)
-            for own in family.answers.values()
-            for answer in own.values()
+            for by_step in family.answers.values()
+            for answer in by_step.values()
         ]
-        for kind in KINDS
-    }
     return Report(
         lambda: stability_picture.draw(suite),
         table_of(suite),
@@ -77,17 +76,17 @@ def was_run(answer: Answer) -> bool:
 
 
 def claim_certified(suite: Suite) -> Verdict:
-    asked = [
+    answers = [
         answer
         for answer in suite.answers
         if answer.certified and was_run(answer) and answer.outcome != Outcome.RIGHTLY_REFUSED
     ]
-    ill = [answer for answer in asked if answer.outcome in ILL]
-    found = never_chosen(claims.of("hausbench", "stability"), len(ill), len(asked), "answers")
+    ill = [answer for answer in answers if answer.outcome in ILL]
+    verdict = never_chosen(claims.of("hausbench", "stability"), len(ill), len(answers), "answers")
     if not ill:
-        return found
-    which = named([f"{place(suite, answer)}: {answer.outcome.words}" for answer in ill])
-    return Verdict(found.claim, found.outcome, f"{found.evidence}: {which}")
+        return verdict
+    places = named([f"{place(suite, answer)}: {answer.outcome.words}" for answer in ill])
+    return Verdict(verdict.claim, verdict.outcome, f"{verdict.evidence}: {places}")
 
 
 def claim_tight(suite: Suite) -> Verdict:
@@ -112,10 +111,10 @@ def claim_tight(suite: Suite) -> Verdict:
         """Lists the families (or solvers) whose own share is below SHARE, the worst first."""
         shares = []
         for name in dict.fromkeys(name_of[answer.row] for answer in among):
-            own = [answer for answer in among if name_of[answer.row] == name]
-            good = sum(answer.outcome == Outcome.TIGHT for answer in own)
-            if good < SHARE * len(own):
-                shares.append((good / len(own), f"{name} {good} of {len(own)}"))
+            members = [answer for answer in among if name_of[answer.row] == name]
+            good = sum(answer.outcome == Outcome.TIGHT for answer in members)
+            if good < SHARE * len(members):
+                shares.append((good / len(members), f"{name} {good} of {len(members)}"))
         return ", ".join(text for _, text in sorted(shares)) or "none"
 
     families = {answer.row: suite.family_of[answer.row].title for answer in among}
@@ -142,24 +141,24 @@ def expected_wrong(suite: Suite) -> list[str]:
 def claims_can_fail(suite: Suite) -> list[Verdict]:
     """Judges the claim that the suite detects each solver in expected_wrong(): at least one of its
     answers is wrong."""
-    found = []
+    verdicts = []
     for label in expected_wrong(suite):
-        asked = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
-        wrong = [answer for answer in asked if answer.outcome == Outcome.WRONG]
+        answers = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
+        wrong = [answer for answer in answers if answer.outcome == Outcome.WRONG]
         where = named([place(suite, answer).removeprefix(f"{label} on ") for answer in wrong])
         evidence = (
-            f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}"
-            if asked
+            f"{len(wrong)} of {len(answers)} answers{': ' if wrong else ''}{where}"
+            if answers
             else "no answers"
         )
-        found.append(
+        verdicts.append(
             Verdict(
                 claims.of("hausbench", "suite_can_fail", label=label),
-                HOLDS if wrong else FAILS if asked else UNTESTED,
+                HOLDS if wrong else FAILS if answers else UNTESTED,
                 evidence,
             )
         )
-    return found
+    return verdicts
 
 
 # --- table and numbers
@@ -171,8 +170,8 @@ def cell(family: Family, label: str) -> str:
     (at any tolerance)."""
     worst = {}
     for step in family.steps:
-        own = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
-        worst[step] = max(own, key=lambda outcome: outcome.badness)
+        outcomes = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
+        worst[step] = max(outcomes, key=lambda outcome: outcome.badness)
     if set(worst.values()) == {Outcome.NOT_APPLICABLE}:
         return Outcome.NOT_APPLICABLE.short
     run = [
@@ -226,10 +225,11 @@ def table_of(suite: Suite) -> tables.Table:
         "coordinate).",
         f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(map(float, results.cases.tolerance)), reverse=True))}.",
     ]
-    table.notes += [
-        f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
-        "bounds of solvers that are not certified."
-    ] * bool(unknown)
+    if unknown:
+        table.notes.append(
+            f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
+            "bounds of solvers that are not certified."
+        )
     table.notes += [
         f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))
     ]
@@ -239,10 +239,9 @@ def table_of(suite: Suite) -> tables.Table:
 
 def _kinds_begin(suite: Suite) -> list[int]:
     """Returns the first column of each group of solvers: for points only, meshes, and surfaces."""
-    takes = [
-        next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "")
-        for pair in suite.labels
-    ]
+    takes = []
+    for pair in suite.labels:
+        takes.append(next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), ""))
     return [3 + i for i, kind in enumerate(takes) if i == 0 or kind != takes[i - 1]]
 
 
@@ -256,8 +255,8 @@ def note_of(suite: Suite, family: Family) -> str:
     """Returns the note on a family from the experiment file. If its scenes have different notes,
     returns all of them."""
     cases, notes = suite.results.cases, dict[str, str]()
-    for own in family.answers.values():
-        for answer in own.values():
+    for by_step in family.answers.values():
+        for answer in by_step.values():
             notes.setdefault(
                 str(cases.scene_note[answer.row]).removeprefix("not legal: "),
                 str(cases.scene[answer.row]),

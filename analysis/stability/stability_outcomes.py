@@ -110,14 +110,14 @@ class Ending:
 def judge(ending: Ending) -> Outcome:
     if ending.status in ("skipped", "not_built"):
         return Outcome.NOT_RUN if ending.takes_it else Outcome.NOT_APPLICABLE
-    found = _judge_legal(ending)
+    outcome = _judge_legal(ending)
     if ending.legal:
-        return found
+        return outcome
     return {
         Outcome.REFUSED: Outcome.RIGHTLY_REFUSED,
         Outcome.CRASHED: Outcome.CRASHED,
         Outcome.HUNG: Outcome.HUNG,
-    }.get(found, Outcome.WRONG)
+    }.get(outcome, Outcome.WRONG)
 
 
 def _judge_legal(ending: Ending) -> Outcome:
@@ -206,7 +206,7 @@ class Judge:
     def magnitude(self, row: int) -> float:
         """Returns a bound on |coordinate| of both shapes in their poses, as in
         harness/check/verify.cpp; NaN if one is not cached."""
-        cases, found = self.results.cases, list[float]()
+        cases, magnitudes = self.results.cases, list[float]()
         for model, pose in (
             (cases.source[row], cases.pose[row]),
             (cases.target[row], cases.target_pose[row]),
@@ -214,8 +214,10 @@ class Judge:
             largest = self._largest_of(str(model))
             if largest is None:
                 return math.nan
-            found.append(float((np.abs(pose[:9].reshape(3, 3)) @ largest + np.abs(pose[9:])).max()))
-        return max(found)
+            magnitudes.append(
+                float((np.abs(pose[:9].reshape(3, 3)) @ largest + np.abs(pose[9:])).max())
+            )
+        return max(magnitudes)
 
     def _largest_of(self, model: str) -> tuple[float, float, float] | None:
         """Returns the largest |coordinate| of a model along each axis."""

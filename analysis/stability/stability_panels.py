@@ -60,13 +60,16 @@ def choose(
 
 def swept(suite: Suite) -> list[Family]:
     """Returns the families of valid input with at least two severities."""
-    return [
-        family
-        for family in suite.families
-        if family.has_severities
-        and len(set(family.severities)) > 1
-        and all(answer.legal for own in family.answers.values() for answer in own.values())
-    ]
+    families = []
+    for family in suite.families:
+        answers = [answer for by_step in family.answers.values() for answer in by_step.values()]
+        if (
+            family.has_severities
+            and len(set(family.severities)) > 1
+            and all(answer.legal for answer in answers)
+        ):
+            families.append(family)
+    return families
 
 
 def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
@@ -74,7 +77,7 @@ def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
     tight answers most often."""
 
     def score(pair: Label) -> float:
-        own = [
+        answers = [
             answer
             for family in families
             for answer in family.finest(pair[1])
@@ -82,23 +85,19 @@ def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
         ]
         return sum(
             1.0 + 9.0 * (answer.outcome == Outcome.WRONG)
-            for answer in own
+            for answer in answers
             if answer.outcome != Outcome.TIGHT
-        ) + OURS.get(pair[0], 0.0) * bool(own)
+        ) + (OURS.get(pair[0], 0.0) if answers else 0.0)
 
-    found: list[Label] = []
+    chosen: list[Label] = []
     for pair in sorted(suite.labels, key=lambda pair: -score(pair)):
-        looks = [look(*other) for other in found]
-        if (
-            len(found) < SHOWN
-            and any(family.asked(pair[1]) for family in families)
-            and not any(
-                look(*pair).colour == other.colour or look(*pair).marker == other.marker
-                for other in looks
-            )
-        ):
-            found.append(pair)
-    return [pair for pair in suite.labels if pair in found]
+        looks, taken = look(*pair), [look(*label) for label in chosen]
+        alike = any(
+            looks.colour == earlier.colour or looks.marker == earlier.marker for earlier in taken
+        )
+        if len(chosen) < SHOWN and not alike and any(family.asked(pair[1]) for family in families):
+            chosen.append(pair)
+    return [pair for pair in suite.labels if pair in chosen]
 
 
 def draw(
@@ -180,20 +179,20 @@ def handle(pair: Label) -> Any:
 def draw_frame(
     ax: Any, suite: Suite, family: Family, measure: Measure, shown: Sequence[Label]
 ) -> None:
-    answers = {
-        pair: [answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)]
-        for pair in suite.labels
-        if family.asked(pair[1])
-    }
-    everyone = [answer for own in answers.values() for answer in own]
+    answers = {}
+    for pair in suite.labels:
+        if family.asked(pair[1]):
+            answers[pair] = [
+                answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)
+            ]
+    everyone = [answer for solver_answers in answers.values() for answer in solver_answers]
     guide = {
         answer.severity: measure.guide(answer)
         for answer in everyone
         if math.isfinite(measure.guide(answer))
     }
-    values = [measure.of(answer) for answer in everyone] + [
-        measure.stopped_at(answer) for answer in everyone
-    ]
+    values = [measure.of(answer) for answer in everyone]
+    values += [measure.stopped_at(answer) for answer in everyone]
     axis = scales.LogAxis(ax, [*filter(math.isfinite, values), *guide.values()], 5)
     if guide:
         along = sorted(guide)
@@ -206,8 +205,8 @@ def draw_frame(
             zorder=2,
         )
     lost: Counter[float] = Counter()
-    for pair, own in answers.items():
-        draw_line(ax, axis, pair, own, measure, lost, pair in shown)
+    for pair, solver_answers in answers.items():
+        draw_line(ax, axis, pair, solver_answers, measure, lost, pair in shown)
     if lost:  # room for the letters
         low, high = ax.get_ylim()
         ax.set_ylim(low, high * (high / low) ** (0.09 * max(lost.values())))
@@ -218,7 +217,7 @@ def draw_line(
     ax: Any,
     axis: scales.LogAxis,
     pair: Label,
-    own: Sequence[Answer],
+    answers: Sequence[Answer],
     measure: Measure,
     lost: Counter[float],
     front: bool,
@@ -229,21 +228,22 @@ def draw_line(
     A solver that is not in front is grey.
     """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
-    known = [
+    drawn = [
         (answer.severity, measure.of(answer), answer)
-        for answer in own
+        for answer in answers
         if math.isfinite(measure.of(answer))
     ]
-    if known:
+    if drawn:
+        severities = [x for x, _, _ in drawn]
         ax.plot(
-            [x for x, _, _ in known],
-            axis.place([y for _, y, _ in known]),
+            severities,
+            axis.place([y for _, y, _ in drawn]),
             color=looks.colour,
             linestyle=looks.line,
             linewidth=0.8,
             zorder=3 if front else 2.5,
         )
-    for x, y, answer in known:
+    for x, y, answer in drawn:
         kind = (
             style.open_marker
             if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE)
@@ -269,7 +269,7 @@ def draw_line(
                 markeredgewidth=1.1,
                 markeredgecolor=MARK,
             )
-    for answer in own:
+    for answer in answers:
         letter = answer.letter or "?"
         if math.isfinite(measure.of(answer)) or answer.outcome in (
             Outcome.NOT_RUN,
@@ -309,7 +309,7 @@ def spread(severities: Sequence[float], apart: float) -> list[float]:
     have priority."""
     kept: list[float] = []
     for severity in severities:
-        if all(abs(math.log10(severity / other)) >= apart for other in kept):
+        if all(abs(math.log10(severity / earlier)) >= apart for earlier in kept):
             kept.append(severity)
     return sorted(kept)
 
@@ -345,8 +345,8 @@ def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None
             ax.set_xticks(severities, [f"{x:g}" for x in severities])
     else:
         ax.set_xlim(first - 0.06 * (last - first), last + 0.06 * (last - first))
-    known = [x for x in family.severities if math.isfinite(x)]
-    if known[-1] < known[0]:
+    finite = [x for x in family.severities if math.isfinite(x)]
+    if finite[-1] < finite[0]:
         ax.invert_xaxis()
 
 
@@ -356,5 +356,5 @@ def relative(value: float, diagonal: float) -> float:
 
 
 def largest(values: Sequence[tuple[float, Answer]]) -> tuple[float, Answer] | None:
-    known = [pair for pair in values if not np.isnan(pair[0])]
-    return max(known, key=lambda pair: pair[0]) if known else None
+    numbers = [pair for pair in values if not np.isnan(pair[0])]
+    return max(numbers, key=lambda pair: pair[0]) if numbers else None

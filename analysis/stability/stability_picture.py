@@ -119,8 +119,8 @@ def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
     if any(
         answer.can_be_met is False
         for family in families
-        for own in family.answers.values()
-        for answer in own.values()
+        for by_step in family.answers.values()
+        for answer in by_step.values()
     ):
         entries.append(
             Rectangle(
@@ -149,10 +149,12 @@ def draw_band(
             va="center",
             ha="left",
         )
-    ax.set_yticks([i + 0.5 for i in range(len(families))], [family.title for family in families])
+    row_titles = [family.title for family in families]
+    ax.set_yticks([i + 0.5 for i in range(len(families))], row_titles)
+    column_titles = [look(*pair).title for pair in labels]
     ax.set_xticks(
         [-BELOW / 2, *[j + 0.5 for j in range(len(labels))]],
-        ["below floor", *[look(*pair).title for pair in labels]],
+        ["below floor", *column_titles],
         rotation=42,
         ha="left",
         rotation_mode="anchor",
@@ -186,8 +188,8 @@ def draw_floor(ax: Any, family: Family, i: int) -> None:
     doubles."""
     met = {
         key: answer.can_be_met
-        for own in family.answers.values()
-        for key, answer in own.items()
+        for by_step in family.answers.values()
+        for key, answer in by_step.items()
         if answer.can_be_met is not None
     }
     for key, x, y, wide, high in parts(family, -BELOW, BELOW):

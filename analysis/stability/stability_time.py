@@ -40,10 +40,10 @@ def make(results: Results) -> Report:
     for family in families:
         table.rules.add(len(table.rows))
         for pair in suite.labels_of(family.kind):
-            if own := [
+            if answers := [
                 answer for answer in family.finest(pair[1]) if answer in family.asked(pair[1])
             ]:
-                table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
+                table.rows.append([family.title, look(*pair).title, *cells(suite, answers)])
     table.notes = [
         "At the finest tolerance. Time: of the first answer, with structures already built. Work: distances, bounds, nodes of trees and "
         "polynomial bounds together; peers count nothing. Out of time: at the limit, with bounds or without.",
@@ -52,8 +52,8 @@ def make(results: Results) -> Report:
     records = [
         record(suite, family, answer)
         for family in families
-        for own in family.answers.values()
-        for answer in own.values()
+        for answers in family.answers.values()
+        for answer in answers.values()
         if answer in family.asked(answer.label)
     ]
     return Report(
@@ -95,30 +95,30 @@ def growth(suite: Suite, family: Family) -> float:
     one ran out of time."""
     most = 0.0
     for label in family.answers:
-        own = [answer for answer in family.finest(label) if answer in family.asked(label)]
-        known = [count for answer in own if (count := work(suite, answer)) > 0]
-        if any(ran_out_of_time(suite, answer) for answer in own):
+        answers = [answer for answer in family.finest(label) if answer in family.asked(label)]
+        counts = [count for answer in answers if (count := work(suite, answer)) > 0]
+        if any(ran_out_of_time(suite, answer) for answer in answers):
             return math.inf
-        if known:
-            most = max(most, math.log10(max(known) / min(known)))
+        if counts:
+            most = max(most, math.log10(max(counts) / min(counts)))
     return most
 
 
-def cells(suite: Suite, own: list[Answer]) -> list[str]:
-    found: list[str] = []
+def cells(suite: Suite, answers: list[Answer]) -> list[str]:
+    texts: list[str] = []
     for of, scale in ((seconds, 1e3), (work, 1.0)):
-        values = [(of(suite, answer), answer) for answer in own]
+        values = [(of(suite, answer), answer) for answer in answers]
         most = largest(values)
-        found += [
+        texts += [
             text(values[0][0] * scale, of is work),
             text(most[0] * scale, of is work) if most else numerals.NOTHING,
             severity_text(most[1].severity) if most else numerals.NOTHING,
         ]
-    late = sum(ran_out_of_time(suite, answer) for answer in own)
+    late = sum(ran_out_of_time(suite, answer) for answer in answers)
     silent = sum(
-        answer.outcome in (Outcome.HUNG, Outcome.CRASHED, Outcome.REFUSED) for answer in own
+        answer.outcome in (Outcome.HUNG, Outcome.CRASHED, Outcome.REFUSED) for answer in answers
     )
-    return found + [f"{count} of {len(own)}" if count else "" for count in (late, silent)]
+    return texts + [f"{count} of {len(answers)}" if count else "" for count in (late, silent)]
 
 
 def text(value: float, is_count: bool) -> str:

@@ -56,41 +56,43 @@ class Variants:
         run = self.runs.get((scene, label, tolerance))
         return run if run and run.complete else None
 
-    def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
+    def ratio(self, scene: str, slow: str, fast: str, measure: str = "") -> Estimate:
         """Returns slow / fast over all poses together: times have an interval over rounds, counts
         are exact."""
         above, below = self.run(scene, slow), self.run(scene, fast)
         if not above or not below:
             return NO_DATA
-        if what:
-            total = [float(run.counted(COUNTED[what]).sum()) for run in (above, below)]
+        if measure:
+            total = [float(run.counted(COUNTED[measure]).sum()) for run in (above, below)]
             return exact(total[0] / total[1]) if min(total) > 0 else NO_DATA
         if lacking := apart(above.origins | below.origins):
             return lacking
         shared = sorted(above.by_round.keys() & below.by_round.keys())
-        return paired_ratio(
-            [above.by_round[i].sum() for i in shared], [below.by_round[i].sum() for i in shared]
-        )
+        slow_sums = [above.by_round[i].sum() for i in shared]
+        fast_sums = [below.by_round[i].sum() for i in shared]
+        return paired_ratio(slow_sums, fast_sums)
 
 
 def verdicts(variants: Variants) -> list[Verdict]:
     def judge(label: str, name: str) -> Verdict:
         claim = claims.of("tang2009", name)
         return in_time_and_work(
-            lambda what: on_average(
-                claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]
+            lambda measure: on_average(
+                claim, [variants.ratio(scene, label, PLAIN, measure) for scene in variants.scenes]
             ),
             COUNTED,
         )
 
-    counted = [
-        on_average(
-            claims.of("tang2009", name),
-            [variants.ratio(scene, more, fewer, "subdivisions") for scene in variants.scenes],
-        )
-        for more, fewer, name in IN_SUBDIVISIONS
-    ]
+    counted = []
+    for more, fewer, name in IN_SUBDIVISIONS:
+        ratios = [variants.ratio(scene, more, fewer, "subdivisions") for scene in variants.scenes]
+        counted.append(on_average(claims.of("tang2009", name), ratios))
     return [*[judge(label, name) for label, name in CLAIMS], *counted, sensitive(variants)]
+
+
+def was_run(variants: Variants, label: str, tolerance: float) -> bool:
+    """Returns whether a variant has rows at a tolerance in any scene."""
+    return any((scene, label, tolerance) in variants.runs for scene in variants.scenes)
 
 
 def sensitive(variants: Variants) -> Verdict:
@@ -105,11 +107,7 @@ def sensitive(variants: Variants) -> Verdict:
             else math.nan
         )
 
-    swept = [
-        t
-        for t in variants.tolerances
-        if any((scene, PLAIN, t) in variants.runs for scene in variants.scenes)
-    ]
+    swept = [t for t in variants.tolerances if was_run(variants, PLAIN, t)]
     ratios = (
         [levels(scene, swept[-1]) / levels(scene, swept[0]) for scene in variants.scenes]
         if len(swept) > 1
@@ -127,7 +125,7 @@ def make(results: Results) -> Report:
         (label, tolerance)
         for label in variants.labels
         for tolerance in variants.tolerances
-        if any((scene, label, tolerance) in variants.runs for scene in variants.scenes)
+        if was_run(variants, label, tolerance)
     ]
     table = tables.Table(
         f"{clock_title(results)} and counted work over all poses of a motion, two-sided: the algorithm of Tang et al. 2009 with one part "
@@ -141,7 +139,7 @@ def make(results: Results) -> Report:
             "distances",
             "deepest",
             "time / plain",
-            *[f"{what} / plain" for what in COUNTED],
+            *[f"{measure} / plain" for measure in COUNTED],
         ],
         left=2,
     )
@@ -158,8 +156,8 @@ def make(results: Results) -> Report:
                 cells = [
                     numerals.number(1e3 * float(run.per_pose.sum())),
                     *[
-                        f"{run.counted(COUNTED[what]).sum():,.0f}"
-                        for what in ("subdivisions", "distances")
+                        f"{run.counted(COUNTED[measure]).sum():,.0f}"
+                        for measure in ("subdivisions", "distances")
                     ],
                     f"{np.nanmax(run.deepest):g}"
                     if np.isfinite(run.deepest).any()
@@ -186,10 +184,10 @@ def make(results: Results) -> Report:
                     f"{tolerance:g}",
                     *cells,
                     *[
-                        numerals.ratio(variants.ratio(scene, label, PLAIN, what))
+                        numerals.ratio(variants.ratio(scene, label, PLAIN, measure))
                         if compared
                         else numerals.NOTHING
-                        for what in ("", *COUNTED)
+                        for measure in ("", *COUNTED)
                     ],
                 ]
             )
@@ -254,9 +252,11 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
             for tolerance in variants.tolerances
             if (run := variants.run(scene, PLAIN, tolerance))
         ]
+        tolerances = [tolerance for tolerance, _ in swept]
+        milliseconds = [1e3 * float(run.per_pose.sum()) for _, run in swept]
         right.plot(
-            [tolerance for tolerance, _ in swept],
-            [1e3 * float(run.per_pose.sum()) for _, run in swept],
+            tolerances,
+            milliseconds,
             marker=marker,
             markersize=4.5,
             markeredgecolor="white",

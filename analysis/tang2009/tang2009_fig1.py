@@ -41,16 +41,16 @@ def make(results: Results) -> Report:
     for name, rows in groups.items():
         table.rules.add(len(table.rows))
         for i, label in enumerate(results.in_order("label", rows)):
-            own = [row for row in rows if cases.label[row] == label]
-            known = [row for row in own if results.is_bounded(row)]
+            labelled = [row for row in rows if cases.label[row] == label]
+            bounded = [row for row in labelled if results.is_bounded(row)]
             deepest = max(
-                known or own,
+                bounded or labelled,
                 key=lambda row: float(cases.lower[row] / cases.source_longest[row])
-                if row in known
+                if row in bounded
                 else 0.0,
             )
             longest = float(cases.source_longest[deepest])
-            what = (
+            quantity = (
                 "H"
                 if int(cases.frame[deepest]) < 0
                 else f"depth, frame {int(cases.frame[deepest])}"
@@ -59,8 +59,8 @@ def make(results: Results) -> Report:
                 [
                     name if i == 0 else "",
                     style.title(cases.solver[deepest], str(label)),
-                    what,
-                    f"{len(known)} of {len(own)}",
+                    quantity,
+                    f"{len(bounded)} of {len(labelled)}",
                     numerals.at_least(cases.lower[deepest], 7, times=100, over=longest),
                     numerals.at_most(cases.upper[deepest], 7, times=100, over=longest),
                 ]
@@ -103,11 +103,10 @@ def make(results: Results) -> Report:
 def draw(results: Results, groups: dict[str, list[int]]) -> Any:
     """Draws the pairs above and the frames below."""
     frames = {name: rows for name, rows in groups.items() if int(results.cases.frame[rows[0]]) >= 0}
-    pairs = [
-        next((row for row in rows if results.is_bounded(row)), rows[0])
-        for name, rows in groups.items()
-        if name not in frames
-    ]
+    pairs = []
+    for name, rows in groups.items():
+        if name not in frames:
+            pairs.append(next((row for row in rows if results.is_bounded(row)), rows[0]))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 4.6))
     upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1.1))
     for ax, row in zip(upper.subplots(1, max(1, len(pairs)), squeeze=False).flat, pairs):

@@ -39,8 +39,8 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
     def judge(name: str, times: float) -> Verdict:
         claim = claims.of("tang2009", name)
         return in_time_and_work(
-            lambda what: on_average(
-                claim, [pairs.ratio(scene, "guthe", "tang", what) for scene in scenes], times
+            lambda measure: on_average(
+                claim, [pairs.ratio(scene, "guthe", "tang", measure) for scene in scenes], times
             )
         )
 
@@ -72,15 +72,12 @@ def tens(pairs: Pairs) -> Verdict:
 def subdivisions(pairs: Pairs) -> Verdict:
     """Judges the claim that Guthe's algorithm needs more subdivisions on every pair. Counts are the
     same in every run."""
-    counts = [
-        [
-            pairs.cells[scene, label].counters.get("subdivisions", 0)
-            if (scene, label) in pairs.cells
-            else 0
-            for label in ("guthe", "tang")
-        ]
-        for scene in pairs.scenes
-    ]
+
+    def count(scene: str, label: str) -> int:
+        cell = pairs.cells.get((scene, label))
+        return cell.counters.get("subdivisions", 0) if cell is not None else 0
+
+    counts = [(count(scene, "guthe"), count(scene, "tang")) for scene in pairs.scenes]
     return everywhere(
         claims.of("tang2009", "subdivisions"),
         [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in counts],
@@ -90,13 +87,12 @@ def subdivisions(pairs: Pairs) -> Verdict:
 def memory(pairs: Pairs) -> Verdict:
     """Judges the claim that Guthe's algorithm needs more memory on every pair, by single peaks
     without intervals."""
-    peaks = [
-        [
-            pairs.cells[scene, label].peak if (scene, label) in pairs.cells else -1
-            for label in ("guthe", "tang")
-        ]
-        for scene in pairs.scenes
-    ]
+
+    def peak(scene: str, label: str) -> float:
+        cell = pairs.cells.get((scene, label))
+        return cell.peak if cell is not None else -1
+
+    peaks = [(peak(scene, "guthe"), peak(scene, "tang")) for scene in pairs.scenes]
     return everywhere(
         claims.of("tang2009", "memory"),
         [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in peaks],
@@ -106,6 +102,9 @@ def memory(pairs: Pairs) -> Verdict:
 def make(results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = numerals.time_unit(cell.time.value for cell in pairs.cells.values())
+    memory_heads = [f"{style.title(label)}, MB" for _, label in pairs.labels]
+    time_ratio_heads = [" / ".join(map(style.title, pair)) for pair in OVER]
+    work_ratio_heads = [f"Guthe / Tang, {measure}" for measure in MEASURES]
     table = tables.Table(
         f"{total_title(results)}, {unit}, and peak memory, MB: the two-sided distance of overlapping models (Fig. 10 of Tang et al. 2009).",
         [
@@ -113,24 +112,29 @@ def make(results: Results) -> Report:
             "|A| / |B|",
             "H / longest side, %",
             *pairs.titles(),
-            *[f"{style.title(label)}, MB" for _, label in pairs.labels],
-            *[" / ".join(style.title(label) for label in pair) for pair in OVER],
-            *[f"Guthe / Tang, {what}" for what in MEASURES],
+            *memory_heads,
+            *time_ratio_heads,
+            *work_ratio_heads,
         ],
         left=1,
     )
     records = list[tables.Record]()
     for scene in pairs.scenes:
-        own = pairs.row(scene)
+        cells = pairs.row(scene)
+        peaks = [numerals.number(cell.peak / 1e6) if cell else numerals.NOTHING for cell in cells]
+        time_ratios = [numerals.ratio(pairs.ratio(scene, *pair)) for pair in OVER]
+        work_ratios = [
+            numerals.ratio(pairs.ratio(scene, "guthe", "tang", measure)) for measure in MEASURES
+        ]
         table.rows.append(
             [
                 style.scene_title(scene),
                 results.sizes(pairs.first(scene)),
                 numerals.number(100 * pairs.distance(scene)),
                 *pairs.texts(scene, scale),
-                *[numerals.number(cell.peak / 1e6) if cell else numerals.NOTHING for cell in own],
-                *[numerals.ratio(pairs.ratio(scene, *pair)) for pair in OVER],
-                *[numerals.ratio(pairs.ratio(scene, "guthe", "tang", what)) for what in MEASURES],
+                *peaks,
+                *time_ratios,
+                *work_ratios,
             ]
         )
         records += [
@@ -143,7 +147,7 @@ def make(results: Results) -> Report:
                 "peak_bytes": cell.peak,
                 **cell.counters,
             }
-            for (_, label), cell in zip(pairs.labels, own)
+            for (_, label), cell in zip(pairs.labels, cells)
             if cell
         ]
     table.verdicts = verdicts(pairs)
@@ -168,7 +172,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
         1, 2, figsize=(style.DOUBLE_COLUMN, 0.45 * len(pairs.scenes) + 1.1), sharey=True
     )
     step = 0.7 / len(pairs.labels)
-    for ax, what in zip(axes, ("time", "peak")):
+    for ax, measure in zip(axes, ("time", "peak")):
         for i in range(0, len(pairs.scenes), 2):
             ax.axhspan(i - 0.5, i + 0.5, color="#F5F5F5", linewidth=0, zorder=0)
         for k, (solver, label) in enumerate(pairs.labels):
@@ -188,11 +192,11 @@ def draw(pairs: Pairs, clock: str) -> Any:
                         transform=ax.get_yaxis_transform(),
                     )
                     continue
-                value = 1e3 * cell.time.value if what == "time" else cell.peak / 1e6
-                if what == "time":
+                value = 1e3 * cell.time.value if measure == "time" else cell.peak / 1e6
+                if measure == "time":
                     style.interval(ax, cell.time, y, 1e3, color=looks.colour, linewidth=1.4)
                 ax.plot(value, y, **style.filled_marker(looks))
-                if what == "time" and solver == "guthe":
+                if measure == "time" and solver == "guthe":
                     ax.plot(
                         [value / TIMES] * 2,
                         [i - 0.42, i + 0.42],
@@ -202,7 +206,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
                         zorder=4,
                     )
         ax.set_xscale("log")
-        ax.set_xlabel(f"{clock} (ms)" if what == "time" else "peak memory (MB)")
+        ax.set_xlabel(f"{clock} (ms)" if measure == "time" else "peak memory (MB)")
         scales.log_ticks(ax.xaxis)
     axes[0].set_yticks(
         range(len(pairs.scenes)),

@@ -41,7 +41,7 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for row in scenes:
         table.rules.add(len(table.rows))
-        known = numerals.bounds(
+        distance = numerals.bounds(
             *results.reference_of(row), 5, times=100, over=float(cases.source_longest[row])
         )
         for i, (name, model, count) in enumerate(
@@ -57,7 +57,7 @@ def make(results: Results) -> Report:
                     str(model),
                     f"{count:,}",
                     PAPER.get(name, numerals.NOTHING),
-                    known if i == 0 else "",
+                    distance if i == 0 else "",
                 ]
             )
             records.append(

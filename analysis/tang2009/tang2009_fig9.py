@@ -23,7 +23,7 @@ STAGES: Final[dict[str, tuple[str, style.Line]]] = {
 
 
 def make(results: Results) -> Report:
-    found = tang_motion.motions(results)
+    motions = tang_motion.motions(results)
     table = tables.Table(
         "The time of each stage of Tang's algorithm, two-sided, as a share of the total, for all poses and for the nearest tenth of them "
         "(Fig. 9 of Tang et al. 2009).",
@@ -39,32 +39,34 @@ def make(results: Results) -> Report:
         left=1,
     )
     records: list[tables.Record] = []
-    for motion in found:
+    for motion in motions:
         table.rules.add(len(table.rows))
         tang, cover = motion.runs["tang"], motion.runs.get("cover")
         order = np.argsort(tang.distance)
-        for what, chosen in (
+        for poses, chosen in (
             ("all poses", order),
             ("nearest tenth", order[: max(1, len(order) // 10)]),
         ):
             spent = {stage: float(tang.stage(stage)[chosen].sum()) for stage in STAGES}
             total = sum(spent.values())
+            shares = [
+                numerals.number(100 * seconds / total) if total > 0 else numerals.NOTHING
+                for seconds in spent.values()
+            ]
+            means = [
+                numerals.number(1e3 * float(run.per_pose[chosen].mean()))
+                if run and len(run.per_pose)
+                else numerals.NOTHING
+                for run in (tang, cover)
+            ]
             table.rows.append(
                 [
-                    f"{motion.scene}, {what}",
+                    f"{motion.scene}, {poses}",
                     motion.sizes,
                     str(len(chosen)),
                     f"{numerals.number(100 * float(tang.distance[chosen].min()))} to {numerals.number(100 * float(tang.distance[chosen].max()))}",
-                    *[
-                        numerals.number(100 * seconds / total) if total > 0 else numerals.NOTHING
-                        for seconds in spent.values()
-                    ],
-                    *[
-                        numerals.number(1e3 * float(run.per_pose[chosen].mean()))
-                        if run and len(run.per_pose)
-                        else numerals.NOTHING
-                        for run in (tang, cover)
-                    ],
+                    *shares,
+                    *means,
                 ]
             )
         for i, row in enumerate(tang.rows):
@@ -84,13 +86,13 @@ def make(results: Results) -> Report:
                     ),
                 }
             )
-    table.verdicts = [tang_motion.rising(found, "tang")]
-    rounds = max(len(motion.runs["tang"].by_round) for motion in found)
+    table.verdicts = [tang_motion.rising(motions, "tang")]
+    rounds = max(len(motion.runs["tang"].by_round) for motion in motions)
     table.notes = [
         "Stages come from a separate run, which reads the clock at each change; means come from timed runs without that, "
         f"{f'medians over {rounds} rounds' if rounds > 1 else 'of one round'}. Finding the lists of Lemma 3 counts as culling on B.",
         "The paper's models are not public. "
-        + "; ".join(f"{motion.scene}: {motion.note}" for motion in found)
+        + "; ".join(f"{motion.scene}: {motion.note}" for motion in motions)
         + ".",
         f"Here: {machine_line(results)}.",
     ]
@@ -99,7 +101,7 @@ def make(results: Results) -> Report:
         "takes next to no time. Bottom: the two-sided distance (Fig. 9 of Tang et al. 2009). Stages come from a separate run, and cover's line is "
         "the median over rounds. Titles name the pair, the triangles of A / B, and the models that stand in for the paper's."
     )
-    return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
+    return Report(lambda: draw(motions, clock_word(results)), table, records, caption=caption)
 
 
 def bottom_of(tang: Run) -> float | None:
@@ -108,23 +110,23 @@ def bottom_of(tang: Run) -> float | None:
     The subdivision stage may lie below: if nothing is subdivided, it takes only the time to read
     the clock.
     """
-    known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
-    return 0.5 * min(known) if known else None
+    positive = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
+    return 0.5 * min(positive) if positive else None
 
 
-def draw(found: list[Motion], clock: str) -> Any:
+def draw(motions: list[Motion], clock: str) -> Any:
     """Draws a column for each pair: time of the stages above (logarithmic, as the last frames take
     up to a thousand times longer), H below.
     """
     figure, axes = plt.subplots(
         2,
-        len(found),
+        len(motions),
         figsize=(style.DOUBLE_COLUMN, 3.9),
         sharex="col",
         squeeze=False,
         height_ratios=(2.2, 1),
     )
-    for (upper, lower), motion in zip(axes.T, found):
+    for (upper, lower), motion in zip(axes.T, motions):
         tang = motion.runs["tang"]
         frames = [int(tang.results.cases.pose_index[row]) for row in tang.rows]
         for stage, (colour, line) in STAGES.items():

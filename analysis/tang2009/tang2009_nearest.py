@@ -45,12 +45,12 @@ class Answers:
     def nearest(self) -> str:
         """Returns the shape with the least upper bound, by which the search decides; empty if no
         row has bounds."""
-        known = {
+        upper = {
             target: float(self.results.cases.upper[row])
             for target, row in self.rows.items()
             if self.results.is_bounded(row)
         }
-        return min(known, key=lambda target: known[target], default="")
+        return min(upper, key=lambda target: upper[target], default="")
 
     def percent(self, target: str) -> float:
         """Returns H (the middle of its interval) in percent of the diagonal."""
@@ -72,21 +72,21 @@ class Search:
     """One shape and one solver: the rows of the search, and of the matrix for the same pairs."""
 
     name: str
-    found: Answers
+    answers: Answers
     matrix: Answers
 
     @property
     def comparable(self) -> bool:
         return (
-            self.found.rows.keys() == self.matrix.rows.keys()
-            and not self.found.failed()
+            self.answers.rows.keys() == self.matrix.rows.keys()
+            and not self.answers.failed()
             and not self.matrix.failed()
         )
 
-    def saving(self, what: str) -> Estimate:
-        searched = self.found.counted(MEASURES[what])
+    def saving(self, measure: str) -> Estimate:
+        searched = self.answers.counted(MEASURES[measure])
         return (
-            exact(self.matrix.counted(MEASURES[what]) / searched)
+            exact(self.matrix.counted(MEASURES[measure]) / searched)
             if self.comparable and searched
             else NO_DATA
         )
@@ -97,12 +97,16 @@ class Search:
         intervals do not decide."""
         if not self.comparable:
             return None
-        found, best, cases = self.found.nearest(), self.matrix.nearest(), self.matrix.results.cases
-        if found == best:
+        nearest, best, cases = (
+            self.answers.nearest(),
+            self.matrix.nearest(),
+            self.matrix.results.cases,
+        )
+        if nearest == best:
             return True
         return (
             False
-            if cases.lower[self.matrix.rows[found]] > cases.upper[self.matrix.rows[best]]
+            if cases.lower[self.matrix.rows[nearest]] > cases.upper[self.matrix.rows[best]]
             else None
         )
 
@@ -119,7 +123,7 @@ def matrix_beside(results: Results) -> tuple[Results | None, str]:
         return None, str(problem)
 
 
-def asked(results: Results, row: int) -> tuple[object, ...]:
+def question(results: Results, row: int) -> tuple[object, ...]:
     """Returns a key that is equal for two rows if they asked for the same distance with the same
     solver and options."""
     cases, models = results.cases, results.models
@@ -143,67 +147,64 @@ def asked(results: Results, row: int) -> tuple[object, ...]:
 
 def searches(results: Results, matrix: Results | None, label: str) -> list[Search]:
     cases = results.cases
-    known = {asked(matrix, row): row for row in range(len(matrix.cases))} if matrix else {}
-    found: dict[str, Search] = {}
+    matrix_rows = {question(matrix, row): row for row in range(len(matrix.cases))} if matrix else {}
+    by_name: dict[str, Search] = {}
     for row in (int(row) for row in results.rows(label=label)):
         name, target = (
             str(model).removesuffix(SUFFIX) for model in (cases.source[row], cases.target[row])
         )
-        one = found.setdefault(
+        search = by_name.setdefault(
             name, Search(name, Answers(results, {}), Answers(matrix or results, {}))
         )
-        one.found.rows[target] = row
-        if (other := known.get(asked(results, row))) is not None:
-            one.matrix.rows[target] = other
-    return list(found.values())
+        search.answers.rows[target] = row
+        if (matrix_row := matrix_rows.get(question(results, row))) is not None:
+            search.matrix.rows[target] = matrix_row
+    return list(by_name.values())
 
 
-def verdicts(title: str, label: str, found: Sequence[Search]) -> list[Verdict]:
-    told = [one.same for one in found if one.same is not None]
+def verdicts(title: str, label: str, group: Sequence[Search]) -> list[Verdict]:
+    told = [search.same for search in group if search.same is not None]
     same, claim = (
         claims.of("hausbench", name, title, label=label)
         for name in ("nearest_found", "nearest_work")
     )
-    work = everywhere(claim, [one.saving(WORK) for one in found], "shapes")
-    return [
-        all_of(same, sum(not same for same in told), len(told), len(found), "shapes"),
-        work.with_counts(
-            {
-                what: everywhere(claim, [one.saving(what) for one in found], "shapes")
-                for what in MEASURES
-                if what != WORK
-            }
-        ),
-    ]
+    work = everywhere(claim, [search.saving(WORK) for search in group], "shapes")
+    by_measure = {}
+    for measure in MEASURES:
+        if measure != WORK:
+            savings = [search.saving(measure) for search in group]
+            by_measure[measure] = everywhere(claim, savings, "shapes")
+    differing = told.count(False)
+    return [all_of(same, differing, len(told), len(group), "shapes"), work.with_counts(by_measure)]
 
 
-def total(found: Sequence[Search], what: str) -> tuple[int, int]:
+def total(group: Sequence[Search], measure: str) -> tuple[int, int]:
     """Returns the total work of the matrix and of the search, over the shapes with both."""
-    known = [one for one in found if one.saving(what).n]
-    return sum(one.matrix.counted(MEASURES[what]) for one in known), sum(
-        one.found.counted(MEASURES[what]) for one in known
-    )
+    compared = [search for search in group if search.saving(measure).n]
+    whole = sum(search.matrix.counted(MEASURES[measure]) for search in compared)
+    part = sum(search.answers.counted(MEASURES[measure]) for search in compared)
+    return whole, part
 
 
-def cells_of(one: Search) -> list[str]:
-    nearest = one.found.nearest()
-    failed = one.found.failed()
+def cells_of(search: Search) -> list[str]:
+    nearest = search.answers.nearest()
+    failed = search.answers.failed()
     cells = (
-        [nearest, numerals.number(one.found.percent(nearest))]
+        [nearest, numerals.number(search.answers.percent(nearest))]
         if nearest
         else [numerals.NOTHING] * 2
     )
     cells += [
-        {True: "yes", False: "no", None: numerals.NOTHING}[one.same],
-        f"{one.found.cut_off()} of {len(one.found.rows)}"
+        {True: "yes", False: "no", None: numerals.NOTHING}[search.same],
+        f"{search.answers.cut_off()} of {len(search.answers.rows)}"
         + (f", {len(failed)} failed" if failed else ""),
     ]
-    for what in MEASURES:
-        known = bool(one.saving(what).n)
+    for measure in MEASURES:
+        comparable = bool(search.saving(measure).n)
         cells += [
-            f"{one.matrix.counted(MEASURES[what]):,}" if known else numerals.NOTHING,
-            f"{one.found.counted(MEASURES[what]):,}",
-            numerals.estimate(one.saving(what)),
+            f"{search.matrix.counted(MEASURES[measure]):,}" if comparable else numerals.NOTHING,
+            f"{search.answers.counted(MEASURES[measure]):,}",
+            numerals.estimate(search.saving(measure)),
         ]
     return cells
 
@@ -220,55 +221,54 @@ def make(results: Results) -> Report:
             "H, %",
             "as in the matrix",
             "cut off",
-            *[cell for what in MEASURES for cell in (f"{what}, matrix", "search", "ratio")],
+            *[cell for measure in MEASURES for cell in (f"{measure}, matrix", "search", "ratio")],
         ],
         left=3,
     )
     records, every, judged = list[tables.Record](), dict[str, list[Search]](), list[Verdict]()
     for solver, label in style.order(zip(results.cases.solver, results.cases.label)):
-        found = every[style.title(solver, label)] = searches(results, matrix, label)
-        judged += verdicts(style.title(solver, label), label, found)
+        group = every[style.title(solver, label)] = searches(results, matrix, label)
+        judged += verdicts(style.title(solver, label), label, group)
         table.rules.add(len(table.rows))
-        for i, one in enumerate(found):
+        for i, search in enumerate(group):
             table.rows.append(
-                [style.title(solver, label) if i == 0 else "", one.name, *cells_of(one)]
+                [style.title(solver, label) if i == 0 else "", search.name, *cells_of(search)]
             )
-            nearest = one.found.nearest()
+            nearest = search.answers.nearest()
             records.append(
                 {
                     "label": label,
-                    "source": one.name,
+                    "source": search.name,
                     "nearest": nearest,
-                    "percent": one.found.percent(nearest) if nearest else float("nan"),
-                    "same": one.same,
-                    "cut_off": one.found.cut_off(),
-                    "targets": len(one.found.rows),
-                    "failed": "; ".join(one.found.failed()),
+                    "percent": search.answers.percent(nearest) if nearest else float("nan"),
+                    "same": search.same,
+                    "cut_off": search.answers.cut_off(),
+                    "targets": len(search.answers.rows),
+                    "failed": "; ".join(search.answers.failed()),
                     **{
                         f"{name}_{side}": answers.counted([name])
                         for name in results.cases.counters
-                        for side, answers in (("search", one.found), ("matrix", one.matrix))
-                        if side == "search" or one.comparable
+                        for side, answers in (("search", search.answers), ("matrix", search.matrix))
+                        if side == "search" or search.comparable
                     },
                 }
             )
-        sums = [total(found, what) for what in MEASURES]
+        same = sum(search.same is True for search in group)
+        cut_off = sum(search.answers.cut_off() for search in group)
+        targets = sum(len(search.answers.rows) for search in group)
+        sums = []
+        for measure in MEASURES:
+            whole, part = total(group, measure)
+            ratio = numerals.number(whole / part if part else float("nan"))
+            sums += [f"{whole:,}", f"{part:,}", ratio]
         table.rows.append(
             [
                 "",
                 "all shapes",
                 *[numerals.NOTHING] * 2,
-                f"{sum(one.same is True for one in found)} of {len(found)}",
-                f"{sum(one.found.cut_off() for one in found)} of {sum(len(one.found.rows) for one in found)}",
-                *[
-                    cell
-                    for whole, part in sums
-                    for cell in (
-                        f"{whole:,}",
-                        f"{part:,}",
-                        numerals.number(whole / part if part else float("nan")),
-                    )
-                ],
+                f"{same} of {len(group)}",
+                f"{cut_off} of {targets}",
+                *sums,
             ]
         )
     table.verdicts = judged
@@ -283,7 +283,7 @@ def make(results: Results) -> Report:
 
 def draw(every: dict[str, list[Search]]) -> Any:
     """Draws a line per shape, from the work of the search to the work of the matrix."""
-    names = list(dict.fromkeys(one.name for found in every.values() for one in found))
+    names = list(dict.fromkeys(search.name for group in every.values() for search in group))
     figure, axes = plt.subplots(
         1,
         len(every),
@@ -292,29 +292,22 @@ def draw(every: dict[str, list[Search]]) -> Any:
         squeeze=False,
     )
     place = {name: i for i, name in enumerate(names)}
-    for ax, (title, found) in zip(axes[0], every.items()):
+    for ax, (title, group) in zip(axes[0], every.items()):
         counted = [
-            (place[one.name], one.found.counted(MEASURES[WORK]), one.matrix.counted(MEASURES[WORK]))
-            for one in found
-            if one.saving(WORK).n
-        ]
-        ax.hlines(
-            [at for at, _, _ in counted],
-            [part for _, part, _ in counted],
-            [whole for _, _, whole in counted],
-            color="0.7",
-            linewidth=1,
-        )
-        for name, side, fill in (("search", 1, "full"), ("full matrix", 2, "none")):
-            ax.plot(
-                [one[side] for one in counted],
-                [one[0] for one in counted],
-                "o",
-                markersize=3.5,
-                color="black",
-                fillstyle=fill,
-                label=name,
+            (
+                place[search.name],
+                search.answers.counted(MEASURES[WORK]),
+                search.matrix.counted(MEASURES[WORK]),
             )
+            for search in group
+            if search.saving(WORK).n
+        ]
+        places = [row[0] for row in counted]
+        parts = [row[1] for row in counted]
+        wholes = [row[2] for row in counted]
+        ax.hlines(places, parts, wholes, color="0.7", linewidth=1)
+        for name, counts, fill in (("search", parts, "full"), ("full matrix", wholes, "none")):
+            ax.plot(counts, places, "o", markersize=3.5, color="black", fillstyle=fill, label=name)
         ax.set(title=title, xscale="log", xlabel=f"number of {WORK}")
         scales.log_ticks(ax.xaxis)
     axes[0][0].set_yticks(range(len(names)), names, fontsize=6.5)

@@ -25,7 +25,7 @@ FEW: Final = 10.0  # milliseconds that count as a few
 VIEW: Final = view((0.35, 0.25, 1))
 
 
-def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
+def verdicts(scenes: list[Scene], papers: dict[str, float]) -> list[Verdict]:
     def judge(name: str, scene: Scene, *stages: str) -> Verdict:
         printed = papers[scene.name]
         paper = "tang2009" if scene.label == "tang" else claims.OWN
@@ -43,7 +43,7 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
             printed,
         )
 
-    told = [scene for scene in found if scene.name in papers]
+    told = [scene for scene in scenes if scene.name in papers]
     result = [judge("depth_of_frame", scene, MEASURE) for scene in told]
     result += [judge("depth_of_frame_with_cutting", scene, CUT, MEASURE) for scene in told]
     result += [
@@ -51,8 +51,8 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
         for scene in told
         if scene.label == "tang"
     ]
-    rows = [row for scene in found for row in scene.rows]
-    answered = sum(len(scene.answered) for scene in found)
+    rows = [row for scene in scenes for row in scene.rows]
+    answered = sum(len(scene.answered) for scene in scenes)
     return [
         *result,
         all_of(
@@ -62,18 +62,18 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
             len(rows),
             "rows",
         ),
-        agreement(found),
+        agreement(scenes),
     ]
 
 
-def agreement(found: list[Scene]) -> Verdict:
+def agreement(scenes: list[Scene]) -> Verdict:
     """Judges the claim that the intervals of all solvers for a pair overlap.
 
     They may miss each other by 1e-9 of the longest side, which exceeds the rounding errors of
     cutting the meshes.
     """
     bounds: dict[tuple[str, int, bytes], list[tuple[float, float]]] = {}
-    for scene in found:
+    for scene in scenes:
         cases = scene.results.cases
         for row in scene.answered:
             where = np.concatenate([cases.pose[row], cases.target_pose[row]]).tobytes()
@@ -83,15 +83,18 @@ def agreement(found: list[Scene]) -> Verdict:
                     float(cases.upper[row] / cases.source_longest[row]) + 5e-10,
                 )
             )
-    several = [each for each in bounds.values() if len(each) > 1]
-    apart = sum(max(low for low, _ in each) > min(high for _, high in each) for each in several)
+    several = [intervals for intervals in bounds.values() if len(intervals) > 1]
+    apart = 0
+    for intervals in several:
+        lower, upper = zip(*intervals)
+        apart += max(lower) > min(upper)
     return all_of(claims.of("hausbench", "depths_agree"), apart, len(several), len(bounds), "pairs")
 
 
 def make(results: Results) -> Report:
     printed = paper_numbers(results.stem)
     papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
-    found = tang_depth.recorded(results, LABELS)
+    scenes = tang_depth.recorded(results, LABELS)
     table = tables.Table(
         "The penetration depth in dynamic scenes, and its cost per frame: the mean over the frames in which objects overlap (Tang et al. "
         "2009, section 7.3).",
@@ -111,15 +114,15 @@ def make(results: Results) -> Report:
         left=2,
     )
     records: list[tables.Record] = []
-    for name in dict.fromkeys(scene.name for scene in found):
+    for name in dict.fromkeys(scene.name for scene in scenes):
         table.rules.add(len(table.rows))
-        for i, scene in enumerate(scene for scene in found if scene.name == name):
+        for i, scene in enumerate(scene for scene in scenes if scene.name == name):
             table.rows.append([name if i == 0 else "", style.title(scene.label), *cells(scene)])
             records += [record(scene, row) for row in scene.rows]
         if name in papers:
             table.rows.append(["", "paper", *[numerals.NOTHING] * 8, f"{papers[name]:g}"])
-    names = list(dict.fromkeys(scene.name for scene in found))
-    table.verdicts = verdicts(found, papers)
+    names = list(dict.fromkeys(scene.name for scene in scenes))
+    table.verdicts = verdicts(scenes, papers)
     table.notes = [
         "Depths are in percent of the first object's longest side (median and largest over the pairs); parts of the common volume, and triangles on both sides of "
         "them, are means over the pairs. Tolerance 1e-4 of the longest side.",
@@ -133,7 +136,7 @@ def make(results: Results) -> Report:
     ]
     rows = results.rows(scene=FIGURE, label="each part")
     return Report(
-        lambda: draw(results, rows[0] if rows else None, found, papers),
+        lambda: draw(results, rows[0] if rows else None, scenes, papers),
         table,
         records,
         clock="Times are wall time, by the solver's own clock.",
@@ -191,11 +194,11 @@ def record(scene: Scene, row: int) -> tables.Record:
     }
 
 
-def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[str, float]) -> Any:
+def draw(results: Results, shown: int | None, scenes: list[Scene], papers: dict[str, float]) -> Any:
     """Draws Fig. 11 above (the common volume of two solids, and the deepest pair of points of each
     part), and the time by frame below.
     """
-    names = list(dict.fromkeys(scene.name for scene in found))
+    names = list(dict.fromkeys(scene.name for scene in scenes))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 5.4))
     upper, between, lower = figure.subfigures(3, 1, height_ratios=(1.5, 0.09, 1))
     for ax, close in zip(upper.subplots(1, 2, width_ratios=(1.35, 1)), (False, True)):
@@ -210,7 +213,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
             y=-0.08,
         )
     for ax, name in zip(np.atleast_1d(lower.subplots(1, max(1, len(names)))), names):
-        for scene in (scene for scene in found if scene.name == name):
+        for scene in (scene for scene in scenes if scene.name == name):
             looks = style.look(scene.label)
             ax.plot(
                 scene.frames,

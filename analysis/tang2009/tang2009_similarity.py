@@ -81,29 +81,31 @@ def family(name: str) -> str:
 
 def nearest(matrix: Matrix) -> list[list[int]]:
     """Returns for each shape the indices of all others, nearest first."""
-    return [
-        [int(j) for j in np.argsort(row, kind="stable") if j != i]
-        for i, row in enumerate(matrix.middle)
-    ]
+    orders = []
+    for i, row in enumerate(matrix.middle):
+        orders.append([int(j) for j in np.argsort(row, kind="stable") if j != i])
+    return orders
 
 
 def verdicts(matrix: Matrix) -> list[Verdict]:
     n = len(matrix.names)
     pairs = [(i, j) for i in range(n) for j in range(i)]
-    known = [
+    finite = [
         (i, j) for i, j in pairs if np.isfinite([matrix.upper[i, j], matrix.upper[j, i]]).all()
     ]
     apart = sum(
         matrix.lower[i, j] > matrix.upper[j, i] or matrix.lower[j, i] > matrix.upper[i, j]
-        for i, j in known
+        for i, j in finite
     )
-    found = [all_of(claims.of("hausbench", "orders_agree"), apart, len(known), len(pairs), "pairs")]
+    judged = [
+        all_of(claims.of("hausbench", "orders_agree"), apart, len(finite), len(pairs), "pairs")
+    ]
     low, high = np.fmin(matrix.lower, matrix.lower.T), np.fmax(matrix.upper, matrix.upper.T)
     triples = [(i, j, k) for i, j in pairs for k in range(n) if k not in (i, j)]
     seen = [
         (i, j, k) for i, j, k in triples if np.isfinite([low[i, j], high[i, k], high[k, j]]).all()
     ]
-    found.append(
+    judged.append(
         all_of(
             claims.of("hausbench", "triangle_inequality"),
             sum(bool(low[i, j] > high[i, k] + high[k, j]) for i, j, k in seen),
@@ -112,7 +114,7 @@ def verdicts(matrix: Matrix) -> list[Verdict]:
             "triples",
         )
     )
-    return [*found, retrieval(matrix)]
+    return [*judged, retrieval(matrix)]
 
 
 def retrieval(matrix: Matrix) -> Verdict:
@@ -126,22 +128,24 @@ def retrieval(matrix: Matrix) -> Verdict:
         return Verdict(claim, UNTESTED, "distances are missing")
     kinds = [family(name) for name in matrix.names]
     hits = [kinds[i] == kinds[others[0]] for i, others in enumerate(nearest(matrix))]
-    groups = [
-        [i for i, kind in enumerate(kinds) if kind == group] for group in dict.fromkeys(kinds)
-    ]
-    groups = [group for group in groups if len(group) > 1]
+    by_kind: dict[str, list[int]] = {}
+    for i, kind in enumerate(kinds):
+        by_kind.setdefault(kind, []).append(i)
+    groups = [group for group in by_kind.values() if len(group) > 1]
     if not groups:
         return Verdict(claim, UNTESTED, "no families")
-    found = sum(2 * sum(hits[i] for i in group) > len(group) for group in groups)
+    successes = 0
+    for group in groups:
+        successes += 2 * sum(hits[i] for i in group) > len(group)
     more, fewer = (
-        scipy.stats.binomtest(found, len(groups), alternative=side).pvalue
+        scipy.stats.binomtest(successes, len(groups), alternative=side).pvalue
         for side in ("greater", "less")
     )
     guess = max(len(group) - 1 for group in groups) / (len(kinds) - 1)
     return Verdict(
         claim,
         HOLDS if more <= ERROR else FAILS if fewer <= ERROR else OPEN,
-        f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {numerals.at_most(guess, 2, times=100)} % of the shapes",
+        f"{successes} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {numerals.at_most(guess, 2, times=100)} % of the shapes",
     )
 
 

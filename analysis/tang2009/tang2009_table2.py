@@ -36,17 +36,17 @@ HEADER: Final = (
 )
 
 
-def verdicts(found: list[Motion]) -> list[Verdict]:
+def verdicts(motions: list[Motion]) -> list[Verdict]:
     return [
-        *tang_motion.culling(found, "tang"),
-        tang_motion.faster_than(found, "tang", "fraction", 1.0),
-        tang_motion.faster_than(found, "tang", "greatest", 1.0, slowest=True),
-        tang_motion.faster_than(found, "tang", "real_time", REAL_TIME),
-        tang_motion.within_tolerance(found, "tang"),
-        tang_motion.subdivided(found, "tang"),
-        tang_motion.depth(found, "tang"),
-        tang_motion.rising(found, "tang"),
-        *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM],
+        *tang_motion.culling(motions, "tang"),
+        tang_motion.faster_than(motions, "tang", "fraction", 1.0),
+        tang_motion.faster_than(motions, "tang", "greatest", 1.0, slowest=True),
+        tang_motion.faster_than(motions, "tang", "real_time", REAL_TIME),
+        tang_motion.within_tolerance(motions, "tang"),
+        tang_motion.subdivided(motions, "tang"),
+        tang_motion.depth(motions, "tang"),
+        tang_motion.rising(motions, "tang"),
+        *[tang_motion.warm_pays(motions, cold, warm) for cold, warm in WARM],
     ]
 
 
@@ -65,7 +65,7 @@ def cells(run: Run) -> list[str]:
 
 
 def make(results: Results) -> Report:
-    found, printed = tang_motion.motions(results), paper_numbers(results.stem)
+    motions, printed = tang_motion.motions(results), paper_numbers(results.stem)
     papers = {"/".join(row["models"]): row for row in printed["row"]}
     table = tables.Table(
         f"{clock_title(results)} of the two-sided distance at a pose, while A is translated towards B; measured here, and as printed in "
@@ -74,7 +74,7 @@ def make(results: Results) -> Report:
         left=2,
     )
     records: list[tables.Record] = []
-    for motion in found:
+    for motion in motions:
         table.rules.add(len(table.rows))
         for i, (solver, label) in enumerate(motion.labels):
             run = motion.runs[label]
@@ -103,10 +103,10 @@ def make(results: Results) -> Report:
                     numerals.NOTHING,
                 ]
             )
-    table.verdicts = verdicts(found)
+    table.verdicts = verdicts(motions)
     table.notes = [
         "The paper's models are not public. "
-        + "; ".join(f"{motion.scene}: {motion.note}" for motion in found)
+        + "; ".join(f"{motion.scene}: {motion.note}" for motion in motions)
         + ".",
         "A starts three times its longest side away. Tolerance 1e-4 of A's longest side: the paper gives 1e-4 without a unit, so that choice is "
         "ours. Structures are built once, before the motion; in the second direction B moves, which is replaced by the inverse motion of A.",
@@ -123,28 +123,31 @@ def make(results: Results) -> Report:
         "from left to right (Table 2 of Tang et al. 2009). Dashed: warm, from what the previous pose left. Markers: every tenth pose. Titles name "
         "the pair, the triangles of A / B, and the models that stand in for the paper's."
     )
-    return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
+    return Report(lambda: draw(motions, clock_word(results)), table, records, caption=caption)
 
 
 def record(motion: Motion, label: str) -> list[tables.Record]:
     run = motion.runs[label]
     times = run.per_pose if len(run.per_pose) else np.full(len(run.rows), np.nan)
-    return [
-        {
-            "scene": motion.scene,
-            "label": label,
-            "pose": int(run.results.cases.pose_index[row]),
-            "status": run.results.cases.status[row],
-            "distance_of_longest": float(run.distance[i]),
-            "seconds": float(times[i]),
-            "rounds": len(run.by_round),
-            "lower": float(run.results.cases.lower[row]),
-            "upper": float(run.results.cases.upper[row]),
-            **{name: int(counts[row]) for name, counts in run.results.cases.counters.items()},
-            **run.results.extras(row),
-        }
-        for i, row in enumerate(run.rows)
-    ]
+    records: list[tables.Record] = []
+    for i, row in enumerate(run.rows):
+        counters = {name: int(counts[row]) for name, counts in run.results.cases.counters.items()}
+        records.append(
+            {
+                "scene": motion.scene,
+                "label": label,
+                "pose": int(run.results.cases.pose_index[row]),
+                "status": run.results.cases.status[row],
+                "distance_of_longest": float(run.distance[i]),
+                "seconds": float(times[i]),
+                "rounds": len(run.by_round),
+                "lower": float(run.results.cases.lower[row]),
+                "upper": float(run.results.cases.upper[row]),
+                **counters,
+                **run.results.extras(row),
+            }
+        )
+    return records
 
 
 def look(solver: str, label: str) -> style.Look:
@@ -157,18 +160,18 @@ def look(solver: str, label: str) -> style.Look:
     )
 
 
-def draw(found: list[Motion], clock: str) -> Any:
+def draw(motions: list[Motion], clock: str) -> Any:
     """Draws time against distance, one panel per pair."""
-    columns = min(3, len(found))
+    columns = min(3, len(motions))
     figure, axes = plt.subplots(
-        -(-len(found) // columns),
+        -(-len(motions) // columns),
         columns,
-        figsize=(style.DOUBLE_COLUMN, 2.2 * -(-len(found) // columns) + 0.5),
+        figsize=(style.DOUBLE_COLUMN, 2.2 * -(-len(motions) // columns) + 0.5),
         squeeze=False,
     )
-    for ax in axes.flat[len(found) :]:
+    for ax in axes.flat[len(motions) :]:
         ax.set_visible(False)
-    for ax, motion in zip(axes.flat, found):
+    for ax, motion in zip(axes.flat, motions):
         for solver, label in motion.labels:
             run, looks = motion.runs[label], look(solver, label)
             if len(run.per_pose):
@@ -192,14 +195,10 @@ def draw(found: list[Motion], clock: str) -> Any:
         ax.set_ylabel(f"{clock} (ms)")
     for ax in axes[-1]:
         ax.set_xlabel("H(A, B), % of A's longest side")
-    entries = [
-        Line2D(
-            [],
-            [],
-            label=looks.entry,
-            **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}),
-        )
-        for looks in (look(*pair) for pair in tang_motion.labels_of(found))
-    ]
+    entries = []
+    for solver, label in tang_motion.labels_of(motions):
+        looks = look(solver, label)
+        marker = style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}
+        entries.append(Line2D([], [], label=looks.entry, **marker))
     style.legend_above(figure, entries, columns=4)
     return figure

@@ -64,11 +64,12 @@ class Run:
         answer."""
         if not self.complete:
             return {}
-        found = [self.results.solve_by_round(row) for row in self.rows]
-        return {
-            number: np.array([times[number] for times in found])
-            for number in sorted(set.intersection(*[set(times) for times in found]))
-        }
+        times_by_pose = [self.results.solve_by_round(row) for row in self.rows]
+        shared = set.intersection(*map(set, times_by_pose))
+        by_round = {}
+        for number in sorted(shared):
+            by_round[number] = np.array([times[number] for times in times_by_pose])
+        return by_round
 
     @property
     def mean(self) -> Estimate:
@@ -94,19 +95,18 @@ class Run:
 
     def counted(self, names: Sequence[str]) -> Floats:
         counters = self.results.cases.counters
-        return np.array(
-            [
-                float(sum(int(counters[name][row]) for name in names if name in counters))
-                for row in self.rows
-            ]
-        )
+        reported = [counters[name] for name in names if name in counters]
+        totals = []
+        for row in self.rows:
+            totals.append(float(sum(int(counts[row]) for counts in reported)))
+        return np.array(totals)
 
     def told(self, name: str) -> Floats:
         """Returns an extra number that the solver reports, by its name: a row per pose, a column
         per direction; NaN if missing."""
         extras = [self.results.extras(row) for row in self.rows]
         return np.array(
-            [[one.get(name, math.nan), one.get(name + BACK, math.nan)] for one in extras]
+            [[extra.get(name, math.nan), extra.get(name + BACK, math.nan)] for extra in extras]
         )
 
     @cached_property
@@ -120,8 +120,8 @@ class Run:
         return np.asarray(np.nansum(self.told(f"seconds: {name}"), axis=1))
 
     def mean_told(self, name: str) -> float:
-        known = self.told(name)
-        return float(np.nanmean(known)) if np.isfinite(known).any() else math.nan
+        values = self.told(name)
+        return float(np.nanmean(values)) if np.isfinite(values).any() else math.nan
 
 
 class Motion:
@@ -132,10 +132,9 @@ class Motion:
         rows = results.rows(scene=scene)
         self.first = rows[0]
         self.labels = style.order((cases.solver[row], cases.label[row]) for row in rows)
-        self.runs = {
-            label: Run(results, [row for row in rows if cases.label[row] == label])
-            for _, label in self.labels
-        }
+        self.runs: dict[str, Run] = {}
+        for _, label in self.labels:
+            self.runs[label] = Run(results, [row for row in rows if cases.label[row] == label])
         self.sizes = results.sizes(self.first)
         self.note = cases.scene_note[self.first]
 
@@ -145,39 +144,41 @@ class Motion:
         if not all(label in self.runs and self.runs[label].complete for label in (slow, fast)):
             return NO_DATA
         above, below = (self.runs[label].counted(names)[1:] for label in (slow, fast))
-        known = (above > 0) & (below > 0)
-        return exact(float(np.median(above[known] / below[known]))) if known.any() else NO_DATA
+        counted = (above > 0) & (below > 0)
+        return (
+            exact(float(np.median(above[counted] / below[counted]))) if counted.any() else NO_DATA
+        )
 
 
 def motions(results: Results) -> list[Motion]:
     return [Motion(results, scene) for scene in results.scenes]
 
 
-def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
-    return style.order(pair for motion in found for pair in motion.labels)
+def labels_of(motions: Sequence[Motion]) -> list[tuple[str, str]]:
+    return style.order(pair for motion in motions for pair in motion.labels)
 
 
 def each(
-    claim: str, values: Sequence[float], most: float, what: str, scale: float = 1.0
+    claim: str, values: Sequence[float], most: float, noun: str, scale: float = 1.0
 ) -> Verdict:
     """Judges a claim that all `values`, which are exact, are at most `most`."""
     if not values or not all(map(math.isfinite, values)):
         return Verdict(
             claim,
             UNTESTED if not any(map(math.isfinite, values)) else OPEN,
-            f"a number is missing among {len(values)} {what}",
+            f"a number is missing among {len(values)} {noun}",
         )
     over = sum(value > most for value in values)
     return Verdict(
         claim,
         FAILS if over else HOLDS,
-        f"{numerals.bounds(min(values), max(values), times=scale, form='{} to {}')} on {len(values)} {what}"
+        f"{numerals.bounds(min(values), max(values), times=scale, form='{} to {}')} on {len(values)} {noun}"
         + (f", more on {over}" if over else ""),
         ratio=Ratio(math.nan, *(most / x if x else math.inf for x in (max(values), min(values)))),
     )
 
 
-def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
+def culling(motions: Sequence[Motion], label: str) -> list[Verdict]:
     """Judges the paper's culling rate, by the mean over poses and directions of each pair.
 
     The ratio is the share of triangles that may be left / the share that is left.
@@ -186,17 +187,17 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
     for side in ("A", "B"):
         left = [
             1 - motion.runs[label].mean_told(f"culled on {side}")
-            for motion in found
+            for motion in motions
             if label in motion.runs
         ]
         verdict = most_of(
             claims.of("tang2009", "culling", side=side),
             [below(share, 1 - AIM_OF_CULLING) for share in left],
         )
-        known = [100 * share for share in left if math.isfinite(share)]
+        finite = [100 * share for share in left if math.isfinite(share)]
         spread = (
-            f"; left: {numerals.number(min(known))} to {numerals.number(max(known))} %"
-            if known
+            f"; left: {numerals.number(min(finite))} to {numerals.number(max(finite))} %"
+            if finite
             else ""
         )
         verdicts.append(replace(verdict, evidence=verdict.evidence + spread))
@@ -209,16 +210,16 @@ def below(value: float, bar: float) -> Estimate:
     return exact(math.inf if value == 0 else bar / value)
 
 
-def depth(found: Sequence[Motion], label: str) -> Verdict:
+def depth(motions: Sequence[Motion], label: str) -> Verdict:
     """Judges the claim that deep subdivisions (AIM_OF_DEPTH levels or more) occur at less than half
     of the poses, on most pairs."""
-    deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
+    deepest = [motion.runs[label].deepest for motion in motions if label in motion.runs]
     deep = [
-        float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan
-        for one in deepest
+        float((levels >= AIM_OF_DEPTH).mean()) if np.isfinite(levels).all() else math.nan
+        for levels in deepest
     ]
     verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])
-    shares, known = [100 * share for share in deep if math.isfinite(share)], np.concatenate(
+    shares, levels_of_all = [100 * share for share in deep if math.isfinite(share)], np.concatenate(
         deepest
     ) if deepest else np.empty(0)
     spread = (
@@ -227,15 +228,15 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
         else ""
     )
     most = (
-        f"; at most {numerals.at_most(float(np.nanmax(known)))} times"
-        if np.isfinite(known).any()
+        f"; at most {numerals.at_most(float(np.nanmax(levels_of_all)))} times"
+        if np.isfinite(levels_of_all).any()
         else ""
     )
     return replace(verdict, evidence=f"{verdict.evidence}{spread}{most}")
 
 
 def faster_than(
-    found: Sequence[Motion], label: str, name: str, seconds: float, slowest: bool = False
+    motions: Sequence[Motion], label: str, name: str, seconds: float, slowest: bool = False
 ) -> Verdict:
     """Judges the claim that the mean time of a pose (or the time of the slowest pose) is below
     `seconds` on every pair."""
@@ -249,18 +250,18 @@ def faster_than(
 
     return everywhere(
         claims.of("tang2009", name),
-        [ratio(motion.runs[label]) for motion in found if label in motion.runs],
+        [ratio(motion.runs[label]) for motion in motions if label in motion.runs],
     )
 
 
-def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
+def within_tolerance(motions: Sequence[Motion], label: str) -> Verdict:
     """Judges the claim that poses reach the tolerance. Timeouts and the like do not count.
 
     Rows that stopped at the precision floor or are unsound refute it.
     """
     rows = [
         (motion.runs[label].results, row)
-        for motion in found
+        for motion in motions
         if label in motion.runs
         for row in motion.runs[label].rows
     ]
@@ -277,7 +278,7 @@ def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
     return all_of(claims.of("tang2009", "within_tolerance"), wide, len(ended), len(rows), "poses")
 
 
-def subdivided(found: Sequence[Motion], label: str) -> Verdict:
+def subdivided(motions: Sequence[Motion], label: str) -> Verdict:
     """Bounds the share of triangles of both models that are subdivided, on average over the poses
     of each pair.
 
@@ -298,19 +299,19 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
         ), float(np.minimum(count, left).mean() / sizes.sum())
 
     shares = [
-        bounds(motion) for motion in found if label in motion.runs and motion.runs[label].complete
+        bounds(motion) for motion in motions if label in motion.runs and motion.runs[label].complete
     ]
-    known, claim = [(low, high) for low, high in shares if math.isfinite(low + high)], claims.of(
+    finite, claim = [(low, high) for low, high in shares if math.isfinite(low + high)], claims.of(
         "tang2009", "subdivided"
     )
-    if not known:
+    if not finite:
         return Verdict(claim, UNTESTED, "no pair with counted subdivisions at every pose")
-    more, less = sum(low >= AIM_OF_SUBDIVIDING for low, _ in known), sum(
-        high < AIM_OF_SUBDIVIDING for _, high in known
-    )
-    most, pairs = [high for _, high in known], sum(label in motion.runs for motion in found)
+    most = [high for _, high in finite]
+    more = sum(low >= AIM_OF_SUBDIVIDING for low, _ in finite)
+    less = sum(high < AIM_OF_SUBDIVIDING for high in most)
+    pairs = sum(label in motion.runs for motion in motions)
     evidence = (
-        f"at most {numerals.at_most(min(most), times=100)} to {numerals.at_most(max(most), times=100)} % on {len(known)} of {pairs} pairs; "
+        f"at most {numerals.at_most(min(most), times=100)} to {numerals.at_most(max(most), times=100)} % on {len(finite)} of {pairs} pairs; "
         f"certainly more than 1 % on {more}"
     )
     return Verdict(
@@ -323,18 +324,18 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
     )
 
 
-def rising(found: Sequence[Motion], label: str) -> Verdict:
+def rising(motions: Sequence[Motion], label: str) -> Verdict:
     """Judges the claim that time and work grow as the models get nearer, with each pair as one
     independent run."""
     runs = [
         motion.runs[label]
-        for motion in found
+        for motion in motions
         if label in motion.runs and motion.runs[label].complete
     ]
     claim = claims.of("tang2009", "nearer")
 
-    def judge(what: str) -> Verdict:
-        if not what and (
+    def judge(measure: str) -> Verdict:
+        if not measure and (
             why := next((why for run in runs if (why := reason_apart(run.origins))), "")
         ):
             return Verdict(claim, UNTESTED, f"times {why}")
@@ -343,7 +344,7 @@ def rising(found: Sequence[Motion], label: str) -> Verdict:
             [
                 (
                     list(map(float, -run.distance)),
-                    list(map(float, run.counted(MEASURES[what]) if what else run.per_pose)),
+                    list(map(float, run.counted(MEASURES[measure]) if measure else run.per_pose)),
                 )
                 for run in runs
             ],
@@ -352,9 +353,9 @@ def rising(found: Sequence[Motion], label: str) -> Verdict:
     return in_time_and_work(judge)
 
 
-def warm_pays(found: Sequence[Motion], cold: str, warm: str) -> Verdict:
+def warm_pays(motions: Sequence[Motion], cold: str, warm: str) -> Verdict:
     title = style.title(cold)
-    ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in found]
-    known = [ratio.value for ratio in ratios if ratio.n]
+    ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in motions]
+    values = [ratio.value for ratio in ratios if ratio.n]
     claim = claims.of("hausbench", "warm", title=title, label=cold)
-    return each(claim, known if len(known) == len(ratios) else [], AIM_OF_WARM, "pairs")
+    return each(claim, values if len(values) == len(ratios) else [], AIM_OF_WARM, "pairs")

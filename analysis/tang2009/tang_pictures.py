@@ -53,8 +53,8 @@ def stand_ins(results: Results, row: int) -> list[str]:
     Empty strings mean that the note does not say.
     """
     note = str(results.cases.scene_note[row])
-    if found := re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", note.partition(";")[0]):
-        return [f"stand-in: {name.partition(' of ')[0]}" for name in found.groups()]
+    if match := re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", note.partition(";")[0]):
+        return [f"stand-in: {name.partition(' of ')[0]}" for name in match.groups()]
     told = dict(re.findall(r"(\w+) is (\w+ \w+)", note))
     return (
         [told.get(name, "") for name in str(results.cases.scene[row]).split("/")]
@@ -94,11 +94,10 @@ def placed(results: Results, name: str, pose: Floats) -> Mesh:
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
     """Concatenates meshes into one."""
-    before = np.cumsum([0, *[len(one.corners) for one in meshes]])
-    return Mesh(
-        np.concatenate([one.corners for one in meshes]),
-        np.concatenate([one.triangles + count for one, count in zip(meshes, before)]),
-    )
+    before = np.cumsum([0, *[len(mesh.corners) for mesh in meshes]])
+    corners = np.concatenate([mesh.corners for mesh in meshes])
+    triangles = np.concatenate([mesh.triangles + count for mesh, count in zip(meshes, before)])
+    return Mesh(corners, triangles)
 
 
 def pair_of(results: Results, row: int) -> list[Mesh]:
@@ -129,10 +128,10 @@ def draw_pair(ax: Any, results: Results, case: int, of: View = SIDE) -> None:
     """Draws both models of a pair, and the witness."""
     meshes = pair_of(results, case)
     colours = np.concatenate(
-        [np.tile(paint, (len(one.triangles), 1)) for one, paint in zip(meshes, PAINT)]
+        [np.tile(paint, (len(mesh.triangles), 1)) for mesh, paint in zip(meshes, PAINT)]
     )
     mesh_picture.draw(
-        ax, joined(meshes), of, colours, both_sides=not all(one.closed for one in meshes)
+        ax, joined(meshes), of, colours, both_sides=not all(mesh.closed for mesh in meshes)
     )
     draw_witness(ax, results, case, of, 1.4, 3)
 
@@ -169,7 +168,7 @@ def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
         joined(meshes),
         of,
         np.concatenate(
-            [np.tile(PAINT[i % 2], (len(one.triangles), 1)) for i, one in enumerate(meshes)]
+            [np.tile(PAINT[i % 2], (len(mesh.triangles), 1)) for i, mesh in enumerate(meshes)]
         ),
     )
     for row in rows:
@@ -179,7 +178,7 @@ def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
 def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
     """Tells which points lie inside a closed mesh: there, the solid angles of its triangles add up
     to 4 pi. O(points * triangles)."""
-    found = np.zeros(len(points), dtype=bool)
+    is_inside = np.zeros(len(points), dtype=bool)
     for begin in range(0, len(points), 512):
         a, b, c = (
             mesh.corners[mesh.triangles[:, k]][None] - points[begin : begin + 512, None]
@@ -193,8 +192,8 @@ def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
             + np.einsum("ijk,ijk->ij", b, c) * la
             + np.einsum("ijk,ijk->ij", c, a) * lb
         )
-        found[begin : begin + 512] = np.abs(2 * np.arctan2(top, bottom).sum(axis=1)) > 2 * np.pi
-    return found
+        is_inside[begin : begin + 512] = np.abs(2 * np.arctan2(top, bottom).sum(axis=1)) > 2 * np.pi
+    return is_inside
 
 
 def pieces(shown: Mesh, size: float) -> Mesh:
@@ -215,16 +214,16 @@ def pieces(shown: Mesh, size: float) -> Mesh:
         )
 
 
-def within(own: Mesh, other: Mesh, size: float) -> Mesh:
-    """Returns the part of `own` inside the solid `other`, as triangles of sides up to `size`,
+def within(mesh: Mesh, solid: Mesh, size: float) -> Mesh:
+    """Returns the part of `mesh` inside the closed `solid`, as triangles of sides up to `size`,
     selected by their centroids."""
-    low, high = other.corners.min(axis=0), other.corners.max(axis=0)
-    sides = own.corners[own.triangles]
+    low, high = solid.corners.min(axis=0), solid.corners.max(axis=0)
+    sides = mesh.corners[mesh.triangles]
     near = ((sides.min(axis=1) <= high) & (sides.max(axis=1) >= low)).all(axis=1)
-    cut = pieces(Mesh(own.corners, own.triangles[near]), size)
+    cut = pieces(Mesh(mesh.corners, mesh.triangles[near]), size)
     middle = cut.corners[cut.triangles].mean(axis=1)
     kept = np.flatnonzero(((middle > low) & (middle < high)).all(axis=1))
-    return Mesh(cut.corners, cut.triangles[kept[inside(other, middle[kept])]])
+    return Mesh(cut.corners, cut.triangles[kept[inside(solid, middle[kept])]])
 
 
 def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: bool) -> None:
@@ -238,20 +237,20 @@ def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: boo
     inner = [within(a, b, size), within(b, a, size)]
     common = joined(inner)
     colours = np.concatenate(
-        [np.tile(colour, (len(one.triangles), 1)) for one, colour in zip(inner, (BLUE, RED))]
+        [np.tile(colour, (len(mesh.triangles), 1)) for mesh, colour in zip(inner, (BLUE, RED))]
     )
     if close and len(common.triangles):
         draw_parts(
             ax, common, colours * (1, 1, 1, 0.35), deepest_pairs(results.extras(row)), of, size
         )
         return
-    for own, colour, alpha, name in ((a, BLUE, 0.22, "A"), (b, RED, 0.10, "B")):
+    for mesh, colour, alpha, name in ((a, BLUE, 0.22, "A"), (b, RED, 0.10, "B")):
         mesh_picture.draw(
-            ax, own, of, np.tile((*colour[:3], alpha), (len(own.triangles), 1)), both_sides=True
+            ax, mesh, of, np.tile((*colour[:3], alpha), (len(mesh.triangles), 1)), both_sides=True
         )
         ax.annotate(
             name,
-            of.seen(own.corners)[:, :2].mean(axis=0),
+            of.seen(mesh.corners)[:, :2].mean(axis=0),
             ha="center",
             va="center",
             fontsize=9,
@@ -276,12 +275,11 @@ def connected(points: Floats, gap: float) -> npt.NDArray[np.int_]:
 def deepest_pairs(extras: dict[str, float]) -> list[Floats]:
     """Returns the deepest pair of points (on A, on B) of each part, from the numbers that the
     solver reports."""
-    return [
-        np.array(
-            [[extras[f"length: part {part}, {side} {axis}"] for axis in "xyz"] for side in "AB"]
-        )
-        for part in range(1, int(extras.get("parts", 0)) + 1)
-    ]
+    pairs = []
+    for part in range(1, int(extras.get("parts", 0)) + 1):
+        numbers = [extras[f"length: part {part}, {side} {axis}"] for side in "AB" for axis in "xyz"]
+        pairs.append(np.array(numbers).reshape(2, 3))
+    return pairs
 
 
 def draw_parts(
@@ -303,10 +301,10 @@ def draw_parts(
     ]
     moved, right = list[Mesh](), 0.0
     for part in parts:
-        own = common.triangles[part_of == part]
-        seen = of.seen(common.corners[np.unique(own)])
+        triangles = common.triangles[part_of == part]
+        seen = of.seen(common.corners[np.unique(triangles)])
         shift = np.array([right - seen[:, 0].min(), -seen[:, 1].max(), 0.0])
-        moved.append(Mesh(common.corners + shift @ of.axes, own))
+        moved.append(Mesh(common.corners + shift @ of.axes, triangles))
         right += float(np.ptp(seen[:, 0])) + 4 * size
         for pair in (pair for pair, whose in zip(pairs, owner) if whose == part):
             draw_deepest(ax, of.seen(pair) + shift)
@@ -319,7 +317,7 @@ def draw_parts(
     )
     mesh_picture.frame(
         ax,
-        of.seen(np.concatenate([one.corners[np.unique(one.triangles)] for one in moved])),
+        of.seen(np.concatenate([mesh.corners[np.unique(mesh.triangles)] for mesh in moved])),
         margin=0.08,
     )
 

@@ -45,11 +45,11 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
     Answers at neighbouring poses, or with several seeds at one pose, are alike; blocks count as
     independent.
     """
-    found: dict[tuple[str, int], list[int]] = {}
+    by_block: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
         key = results.cases.scene[row], int(results.cases.pose_index[row]) // BLOCK
-        found.setdefault(key, []).append(row)
-    return list(found.values())
+        by_block.setdefault(key, []).append(row)
+    return list(by_block.values())
 
 
 def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]:
@@ -72,7 +72,7 @@ def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]
     def share(bad: Floats, of: Floats, axis: int = -1) -> Floats:
         return np.asarray(bad.sum(axis=axis) / of.sum(axis=axis))
 
-    found = scipy.stats.bootstrap(
+    interval = scipy.stats.bootstrap(
         tuple(counts.T.astype(float)),
         share,
         paired=True,
@@ -80,7 +80,7 @@ def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]
         method="percentile",
         random_state=np.random.default_rng(2017),
     ).confidence_interval
-    return float(found.low), float(found.high)
+    return float(interval.low), float(interval.high)
 
 
 def answered(results: Results, rows: Sequence[int]) -> list[int]:
@@ -107,8 +107,8 @@ def printed_rate(results: Results, label: str) -> float:
             results.options(row).get("seed"),
         )
 
-    asked = {question(row) for row in answered(results, results.rows(label=label))}
-    rows = [row for row in results.rows(label=PRINTED.get(label, "")) if question(row) in asked]
+    questions = {question(row) for row in answered(results, results.rows(label=label))}
+    rows = [row for row in results.rows(label=PRINTED.get(label, "")) if question(row) in questions]
     parts = blocks(results, rows)
     bad = sum(bool(wrong(results, part)) for part in parts)
     return bad / len(parts) if bad else math.nan
@@ -150,13 +150,10 @@ def direction(results: Results, label: str) -> str:
     """Says how many wrong answers of a solver are too small and how many too large: '3 too small, 1
     too large'."""
     ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
+    too_small = sum(x < 1 for x in ratios)
+    too_large = sum(x > 1 for x in ratios)
     parts = [
-        f"{count} too {way}"
-        for count, way in (
-            (sum(x < 1 for x in ratios), "small"),
-            (sum(x > 1 for x in ratios), "large"),
-        )
-        if count
+        f"{count} too {way}" for count, way in ((too_small, "small"), (too_large, "large")) if count
     ]
     return f" (its wrong answers here: {', '.join(parts)})" if parts else " (no wrong answer here)"
 
@@ -184,11 +181,12 @@ def make(results: Results) -> Report:
         table.rules.add(len(table.rows))
         for label in labels:
             rows = results.rows(scene=scene, label=label)
-            known, bad = answered(results, rows), wrong(results, rows)
+            answers, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
             low, high = share_interval(results, rows)
+            ratios = [off(results, row) for row in bad]
             worst = max(
-                (x for x in (off(results, row) for row in bad) if not math.isnan(x)),
+                (x for x in ratios if not math.isnan(x)),
                 key=lambda x: abs(math.log(x)) if x > 0 else math.inf,
                 default=math.nan,
             )
@@ -199,9 +197,9 @@ def make(results: Results) -> Report:
                     LOOKS[label].title,
                     str(poses),
                     str(seeds),
-                    f"{len(known):,}",
+                    f"{len(answers):,}",
                     str(len(bad)),
-                    numerals.number(100 * len(bad) / len(known)) if known else numerals.NOTHING,
+                    numerals.number(100 * len(bad) / len(answers)) if answers else numerals.NOTHING,
                     numerals.bounds(low, high, 2, times=100, form="{} to {}"),
                     numerals.number(worst, 4),
                 ]
@@ -237,11 +235,12 @@ def make(results: Results) -> Report:
         *[f"{scene}: {notes[scene]}." for scene in scenes],
         f"Here: {machine_line(results)}.",
     ]
-    shown = [
-        scene
-        for scene in scenes
-        if any(wrong(results, results.rows(scene=scene, label=label)) for label in PRINTED.values())
-    ]
+    shown = []
+    for scene in scenes:
+        if any(
+            wrong(results, results.rows(scene=scene, label=label)) for label in PRINTED.values()
+        ):
+            shown.append(scene)
     without = ", ".join(scene for scene in scenes if scene not in shown)
     caption = (
         "Wrong answers of the algorithms of Zhang et al. 2017 as printed, by the shift between the clouds: above, the share of the seeds, in "
@@ -272,22 +271,22 @@ def draw(results: Results, scenes: list[str]) -> Any:
             shares = []
             for x in shifts:
                 here = [row for row in rows if results.cases.pose[row][9] == x]
-                known = answered(results, here)
-                shares.append(100 * len(wrong(results, here)) / len(known) if known else math.nan)
+                answers = answered(results, here)
+                shares.append(
+                    100 * len(wrong(results, here)) / len(answers) if answers else math.nan
+                )
             looks = LOOKS[label]
             upper.plot(shifts, shares, color=looks.colour, linewidth=0.7, drawstyle="steps-mid")
             seen = [(x, share) for x, share in zip(shifts, shares) if share > 0]
+            seen_shifts = [x for x, _ in seen]
+            seen_shares = [share for _, share in seen]
             upper.plot(
-                [x for x, _ in seen],
-                [share for _, share in seen],
-                **{**style.filled_marker(looks), "markersize": 2.8},
+                seen_shifts, seen_shares, **{**style.filled_marker(looks), "markersize": 2.8}
             )
             bad = wrong(results, rows)
-            lower.plot(
-                [results.cases.pose[row][9] for row in bad],
-                [off(results, row) for row in bad],
-                **{**style.open_marker(looks), "markersize": 3.2},
-            )
+            bad_shifts = [results.cases.pose[row][9] for row in bad]
+            ratios = [off(results, row) for row in bad]
+            lower.plot(bad_shifts, ratios, **{**style.open_marker(looks), "markersize": 3.2})
             lower.margins(y=0.1)
             if len(shifts) > 1:
                 room = 0.03 * (shifts[-1] - shifts[0])  # room for whole markers at both ends

@@ -65,24 +65,24 @@ def make(results: Results) -> Report:
         row, paper = row_of(results, scene), papers.get(scene, {})
         told, low, high = results.extras(row), float(cases.lower[row]), float(cases.upper[row])
         sizes = (int(cases.source_elements[row]), int(cases.target_elements[row]))
-        theirs = (paper.get("source_elements", 0), paper.get("target_elements", 0))
-        unlike += sizes != theirs
-        known = results.is_bounded(row)
+        paper_sizes = (paper.get("source_elements", 0), paper.get("target_elements", 0))
+        unlike += sizes != paper_sizes
+        bounded = results.is_bounded(row)
         status = cases.status[row]
         table.rows.append(
             [
                 style.scene_title(scene),
                 cases.scene_note[row],
                 f"{sizes[0]:,} / {sizes[1]:,}",
-                f"{theirs[0]:,} / {theirs[1]:,}",
-                numerals.value(low, high, 9) if known else style.status_word(status),
+                f"{paper_sizes[0]:,} / {paper_sizes[1]:,}",
+                numerals.value(low, high, 9) if bounded else style.status_word(status),
                 numerals.value(low, high, over=cases.source_diagonal[row])
-                if known
+                if bounded
                 else numerals.NOTHING,
                 numerals.number(told.get("alpha", math.nan)),
                 results.facts(row).get("chosen", numerals.NOTHING).upper(),
                 *[
-                    str(column[row]) if known else ""
+                    str(column[row]) if bounded else ""
                     for column in (cases.witness_source_element, cases.witness_target_element)
                 ],
             ]

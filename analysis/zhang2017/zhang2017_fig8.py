@@ -15,15 +15,13 @@ CONSTANT = 1.25  # factor within which times count as constant: the paper gives 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
     deepest = max(sweep.values, default=0.0)
-    return [
-        *[
-            sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST)
-            for scene in sweep.scenes
-        ],
-        sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0),
-        sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0),
-        *[build_by_depth(sweep, scene) for scene in sweep.scenes],
+    judged = [
+        sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST)
+        for scene in sweep.scenes
     ]
+    judged.append(sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0))
+    judged.append(sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0))
+    return judged + [build_by_depth(sweep, scene) for scene in sweep.scenes]
 
 
 def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
@@ -35,23 +33,19 @@ def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
         for depth in sweep.values
         if (cell := sweep.cells.get((scene, depth))) and not cell.failures
     ]
-    if why := reason_apart(one for _, cell in cells for one in cell.origins):
+    if why := reason_apart(origin for _, cell in cells for origin in cell.origins):
         return Verdict(claim, UNTESTED, f"times {why}")
-    built = [
-        (
-            depth,
-            [
-                time
-                for row in cell.cases
-                for time in sweep.results.prepare_by_round(row).values()
-                if time > 0
-            ],
-        )
-        for depth, cell in cells
-    ]
-    return constant(
-        claim, [[time / depth for time in times] for depth, times in built if times], CONSTANT
-    )
+    by_depth: list[list[float]] = []
+    for depth, cell in cells:
+        times = [
+            time
+            for row in cell.cases
+            for time in sweep.results.prepare_by_round(row).values()
+            if time > 0
+        ]
+        if times:
+            by_depth.append([time / depth for time in times])
+    return constant(claim, by_depth, CONSTANT)
 
 
 SPEC = zhang_sweep.Spec(

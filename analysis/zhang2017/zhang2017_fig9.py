@@ -22,7 +22,7 @@ def text_of(value: float) -> str:
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
-    found = [
+    judged = [
         sweep.least(claims.of("zhang2017", "lambda_best", f"{scene} points"), scene, [BEST])
         for scene in sweep.scenes
     ]
@@ -30,16 +30,16 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
         ("lambda_larger", max(sweep.values, default=math.nan)),
         ("lambda_smaller", min(sweep.values, default=math.nan)),
     ):
-        found.append(
+        judged.append(
             sweep.everywhere(claims.of("zhang2017", claim, value=text_of(value)), value, BEST)
         )
-    found += [
+    judged += [
         sweep.least(
             claims.of("zhang2017", "lambda_recommended", f"{scene} points"), scene, [RECOMMENDED]
         )
         for scene in sweep.scenes
     ]
-    return found + [ahd_culls(sweep, scene) for scene in sweep.scenes]
+    return judged + [ahd_culls(sweep, scene) for scene in sweep.scenes]
 
 
 def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
@@ -49,18 +49,18 @@ def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
     For one seed the AHD, the distance of the sample, cannot fall as lambda grows: a longer sample
     contains the shorter.
     """
-    by_seed: dict[int, list[tuple[float, float]]] = {}
+    by_seed: dict[int, tuple[list[float], list[float]]] = {}  # values and numbers of culled points
     for value in sweep.values:
         cell = sweep.cells.get((scene, value))
         for row in cell.cases if cell else ():
             extras = sweep.results.extras(row)
             if sweep.results.cases.status[row] == "ok" and "culled" in extras:
-                by_seed.setdefault(int(sweep.results.options(row).get("seed", 0)), []).append(
-                    (value, extras["culled"])
-                )
+                seed = int(sweep.results.options(row).get("seed", 0))
+                values, counts = by_seed.setdefault(seed, ([], []))
+                values.append(value)
+                counts.append(extras["culled"])
     return rising_by_run(
-        claims.of("zhang2017", "ahd_culls", f"{scene} points"),
-        [([x for x, _ in run], [y for _, y in run]) for run in by_seed.values()],
+        claims.of("zhang2017", "ahd_culls", f"{scene} points"), list(by_seed.values())
     )
 
 

@@ -39,13 +39,13 @@ class Spot:
 
 def collect(results: Results) -> list[Spot]:
     """Collects the cells of each scene, whose name is 'workload, size'."""
-    found = []
+    spots = []
     for scene in results.scenes:
         rows = results.rows(scene=scene)
         workload, _, size = scene.partition(", ")
         labels = dict.fromkeys(str(label) for label in results.cases.label[rows])
         first = rows[0]
-        found.append(
+        spots.append(
             Spot(
                 workload,
                 size,
@@ -53,7 +53,7 @@ def collect(results: Results) -> list[Spot]:
                 {label: Cell(results, results.rows(scene=scene, label=label)) for label in labels},
             )
         )
-    return found
+    return spots
 
 
 def slope(points: list[int], peaks: list[float]) -> float:
@@ -61,12 +61,15 @@ def slope(points: list[int], peaks: list[float]) -> float:
 
     NaN if fewer than two peaks are at least LEAST.
     """
-    known = [(n, peak) for n, peak in zip(points, peaks) if peak >= LEAST]
-    if len({n for n, _ in known}) < 2:
+    large = [(n, peak) for n, peak in zip(points, peaks) if peak >= LEAST]
+    sizes = [n for n, _ in large]
+    if len(set(sizes)) < 2:
         return math.nan
-    return float(
-        np.polyfit(np.log([n for n, _ in known]), np.log([peak for _, peak in known]), 1)[0]
-    )
+    return float(np.polyfit(np.log(sizes), np.log([peak for _, peak in large]), 1)[0])
+
+
+def of_workload(spots: list[Spot], workload: str) -> list[Spot]:
+    return [spot for spot in spots if spot.workload == workload]
 
 
 def verdict(workload: str, spots: list[Spot]) -> Verdict:
@@ -78,23 +81,23 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     cannot hold then.
     """
     claim = claims.of("hausbench", "inc_memory", workload)
-    known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
-    if not known:
+    with_inc = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
+    if not with_inc:
         return Verdict(claim, UNTESTED, "the memory of INC is unknown")
-    largest = max(known, key=lambda spot: spot.points)
-    own, rivals = largest.cells["inc"].peak, {
+    largest = max(with_inc, key=lambda spot: spot.points)
+    inc_peak, rivals = largest.cells["inc"].peak, {
         label: cell for label, cell in largest.cells.items() if label != "inc"
     }
-    others = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
-    outcomes, parts = [], [f"INC {numerals.number(own / 2**20)} MiB"]
-    if others:
-        most = max(others, key=lambda label: others[label])
-        outcomes.append(compared(own, others[most]))
-        parts.append(f"next {style.title(most)} {numerals.number(others[most] / 2**20)} MiB")
+    peaks = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
+    outcomes, parts = [], [f"INC {numerals.number(inc_peak / 2**20)} MiB"]
+    if peaks:
+        most = max(peaks, key=lambda label: peaks[label])
+        outcomes.append(compared(inc_peak, peaks[most]))
+        parts.append(f"next {style.title(most)} {numerals.number(peaks[most] / 2**20)} MiB")
     for label, cell in rivals.items():
-        if label not in others:
+        if label not in peaks:
             limit = memory_limit(cell)
-            outcomes.append(FAILS if compared(own, limit) == FAILS else OPEN)
+            outcomes.append(FAILS if compared(inc_peak, limit) == FAILS else OPEN)
             parts.append(
                 f"{style.title(label)} {cell.failure_text() if cell.failures else 'of unknown memory'}"
                 + (f" at {numerals.number(limit / 2**20)} MiB" if limit > 0 else "")
@@ -116,20 +119,23 @@ def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
     cells = [
         (spot.points, spot.cells["earlybreak"]) for spot in spots if "earlybreak" in spot.cells
     ]
-    known = [
+    counted = [
         (points, cell.count(DISTANCES))
         for points, cell in cells
         if not math.isnan(cell.count(DISTANCES))
     ]
-    grown = growth.Growth(tuple(points for points, _ in known), tuple(count for _, count in known))
+    sizes = tuple(points for points, _ in counted)
+    grown = growth.Growth(sizes, tuple(count for _, count in counted))
     if not grown.known:
         return Verdict(claim, UNTESTED, "fewer than three sizes with an answer")
-    found, lost = grown.exponent(), [cell.failure_text() for _, cell in cells if cell.failures]
-    outcome = FAILS if found.low > LINEAR else HOLDS if found.high <= LINEAR and not lost else OPEN
+    exponent, lost = grown.exponent(), [cell.failure_text() for _, cell in cells if cell.failures]
+    outcome = (
+        FAILS if exponent.low > LINEAR else HOLDS if exponent.high <= LINEAR and not lost else OPEN
+    )
     return Verdict(
         claim,
         outcome,
-        f"exponent {growth.text(found)} over {len(known)} sizes"
+        f"exponent {growth.text(exponent)} over {len(counted)} sizes"
         + (
             f", {len(lost)} more without an answer ({', '.join(dict.fromkeys(lost))})"
             if lost
@@ -138,10 +144,10 @@ def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
     )
 
 
-def compared(own: float, other: float) -> str:
-    """Returns the outcome for the claim that INC's peak (`own`) is greater than another."""
-    alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
-    return OPEN if alike else HOLDS if own > other else FAILS
+def compared(inc_peak: float, rival_peak: float) -> str:
+    """Returns the outcome for the claim that INC's peak is greater than another."""
+    alike = abs(inc_peak - rival_peak) < max(LEAST, ALIKE * max(inc_peak, rival_peak))
+    return OPEN if alike else HOLDS if inc_peak > rival_peak else FAILS
 
 
 def memory_limit(cell: Cell) -> float:
@@ -172,8 +178,8 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for workload in workloads:
         table.rules.add(len(table.rows))
-        own = [spot for spot in spots if spot.workload == workload]
-        for spot in own:
+        series = of_workload(spots, workload)
+        for spot in series:
             inc = spot.cells.get("inc")
             queues = (
                 results.extras(inc.cases[0]).get("queue_bytes", math.nan)
@@ -211,22 +217,20 @@ def make(results: Results) -> Report:
                 }
                 for label, cell in spot.cells.items()
             ]
-        grown = [
-            slope(
-                [spot.points for spot in own if label in spot.cells],
-                [spot.cells[label].peak for spot in own if label in spot.cells],
-            )
-            for label in labels
-        ]
+        exponents = []
+        for label in labels:
+            measured = [spot for spot in series if label in spot.cells]
+            peaks = [spot.cells[label].peak for spot in measured]
+            exponents.append(slope([spot.points for spot in measured], peaks))
         table.rows.append(
-            [workload, "grows as n^", "1", *[numerals.number(x, 2) for x in grown], "", ""]
+            [workload, "grows as n^", "1", *[numerals.number(x, 2) for x in exponents], "", ""]
         )
     notes = {
         scene.partition(", ")[0]: str(note)
         for scene, note in zip(results.cases.scene, results.cases.scene_note)
     }
     table.verdicts = [
-        judge(workload, [s for s in spots if s.workload == workload])
+        judge(workload, of_workload(spots, workload))
         for judge in (verdict, almost_linear)
         for workload in workloads
     ]
@@ -245,8 +249,9 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
         1, max(1, len(workloads)), figsize=(style.DOUBLE_COLUMN, 2.5), sharey=True, squeeze=False
     )
     for ax, workload in zip(axes[0], workloads):
-        own = [spot for spot in spots if spot.workload == workload]
-        ends = [min(s.points for s in own), max(s.points for s in own)]
+        series = of_workload(spots, workload)
+        sizes = [spot.points for spot in series]
+        ends = [min(sizes), max(sizes)]
         ax.plot(
             ends,
             [POINT * n / 2**20 for n in ends],
@@ -258,17 +263,19 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
         marks = []
         for label in labels:
             looks = style.look(label)
-            known = [
+            points = [
                 (spot.points, spot.cells[label].peak / 2**20)
-                for spot in own
+                for spot in series
                 if label in spot.cells and spot.cells[label].peak > 0
             ]
-            if known:
-                ax.plot(*np.array(known).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
-                ax.plot(*np.array(known).T, **style.filled_marker(looks))
+            if points:
+                ax.plot(
+                    *np.array(points).T, color=looks.colour, linestyle=looks.line, linewidth=0.7
+                )
+                ax.plot(*np.array(points).T, **style.filled_marker(looks))
             failed = {
                 status
-                for spot in own
+                for spot in series
                 if label in spot.cells
                 for status in spot.cells[label].failures
             }

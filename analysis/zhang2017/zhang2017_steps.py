@@ -69,7 +69,7 @@ def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
 
 
 def collect(results: Results) -> list[Step]:
-    cases, found = results.cases, []
+    cases, steps = results.cases, []
     for scene in results.scenes:
         for pose in sorted({int(p) for p in cases.pose_index[results.rows(scene=scene)]}):
             rows = results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")
@@ -95,7 +95,7 @@ def collect(results: Results) -> list[Step]:
                 expected, by_point = expectations(
                     shapes.posed(some, cases.pose[first]), b, distance
                 )
-            found.append(
+            steps.append(
                 Step(
                     scene,
                     float(cases.pose[first][9]),
@@ -106,7 +106,7 @@ def collect(results: Results) -> list[Step]:
                     by_point,
                 )
             )
-    return found
+    return steps
 
 
 def make(results: Results) -> Report:
@@ -157,11 +157,9 @@ def make(results: Results) -> Report:
                     "c": step.c,
                 }
             )
-    table.verdicts = [
-        verdict
-        for scene in scenes
-        for verdict in verdicts([step for step in steps if step.scene == scene])
-    ]
+    table.verdicts = []
+    for scene in scenes:
+        table.verdicts += verdicts([step for step in steps if step.scene == scene])
     table.notes = [
         f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} seeds with order-statistic intervals. "
         "1/mean p: the mean is the share of all pairs that are nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each "
@@ -176,26 +174,26 @@ def verdicts(steps: list[Step]) -> list[Verdict]:
     """Judges the claims on one scene. Only seeds count as independent, because neighbouring poses
     are alike."""
     scene = steps[0].scene
-    known = [step for step in steps if math.isfinite(step.expected)]
+    predicted = [step for step in steps if math.isfinite(step.expected)]
     seeds = sorted(set.intersection(*[set(step.by_seed) for step in steps]))
 
     def runs(of: list[Step], x: list[float]) -> list[tuple[list[float], list[float]]]:
-        return [(x, [step.by_seed[seed] for step in of]) for seed in seeds]
+        by_run = []
+        for seed in seeds:
+            by_run.append((x, [step.by_seed[seed] for step in of]))
+        return by_run
 
+    distances = [-step.distance for step in steps]
+    expected = [step.expected for step in predicted]
+    factors = []
+    for step in predicted:
+        factors.append([step.expected / step.by_seed[seed] for seed in seeds])
     return [
+        rising_by_run(claims.of("zhang2017", "steps_by_distance", scene), runs(steps, distances)),
         rising_by_run(
-            claims.of("zhang2017", "steps_by_distance", scene),
-            runs(steps, [-s.distance for s in steps]),
+            claims.of("zhang2017", "steps_by_expectation", scene), runs(predicted, expected)
         ),
-        rising_by_run(
-            claims.of("zhang2017", "steps_by_expectation", scene),
-            runs(known, [s.expected for s in known]),
-        ),
-        constant(
-            claims.of("zhang2017", "steps_constant", scene),
-            [[step.expected / step.by_seed[seed] for seed in seeds] for step in known],
-            CONSTANT,
-        ),
+        constant(claims.of("zhang2017", "steps_constant", scene), factors, CONSTANT),
     ]
 
 
@@ -205,16 +203,17 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
     )
     counted = style.look("earlybreak")
     for ax, scene in zip(axes[0], scenes):
-        own = sorted((step for step in steps if step.scene == scene), key=lambda step: step.shift)
-        x = [step.shift for step in own]
-        for looks, values in (
-            (EXPECTED, [s.expected for s in own]),
-            (BY_POINT, [s.by_point for s in own]),
-        ):
+        in_order = sorted(
+            (step for step in steps if step.scene == scene), key=lambda step: step.shift
+        )
+        x = [step.shift for step in in_order]
+        expected = [step.expected for step in in_order]
+        by_point = [step.by_point for step in in_order]
+        for looks, values in ((EXPECTED, expected), (BY_POINT, by_point)):
             if any(math.isfinite(v) for v in values):
                 ax.plot(x, values, color=looks.colour, linestyle=looks.line, linewidth=0.9)
-        ax.plot(x, [s.counted.value for s in own], color=counted.colour, linewidth=0.7)
-        for step in own:
+        ax.plot(x, [s.counted.value for s in in_order], color=counted.colour, linewidth=0.7)
+        for step in in_order:
             style.interval(
                 ax, step.counted, step.shift, upright=True, color=counted.colour, linewidth=1.2
             )
@@ -233,14 +232,14 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
             label="counted (EARLYBREAK)",
             linewidth=0.7,
             **{**style.filled_marker(counted), "linestyle": "-"},
-        ),
-        *[
+        )
+    ]
+    if any(math.isfinite(step.expected) for step in steps):
+        entries += [
             Line2D(
                 [], [], label=looks.entry, color=looks.colour, linestyle=looks.line, linewidth=0.9
             )
             for looks in (EXPECTED, BY_POINT)
-            if any(math.isfinite(step.expected) for step in steps)
-        ],
-    ]
+        ]
     style.legend_above(figure, entries)
     return figure

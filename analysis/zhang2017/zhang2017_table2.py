@@ -16,7 +16,7 @@ from analysis.zhang2017 import zhang_pairs
 
 def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[str, str, float]]:
     """Returns extra columns: the percentage of A that OHD culls, corrected and as printed."""
-    found = []
+    columns = []
     for label, header in (("ohd", "culled, %"), ("ohd_as_printed", "culled as printed, %")):
         rows = results.rows(scene=scene, label=label)
         culled = [
@@ -25,8 +25,8 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
             if "culled" in results.extras(r)
         ]
         value = float(np.median(culled)) if culled else math.nan
-        found.append((header, numerals.number(value), value))
-    return found
+        columns.append((header, numerals.number(value), value))
+    return columns
 
 
 SPEC = zhang_pairs.Spec(

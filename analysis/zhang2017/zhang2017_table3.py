@@ -44,38 +44,38 @@ def nanoseconds(cell: Cell | None) -> float:
 
 
 def span(values: list[float], digits: int = 2) -> str:
-    known = [x for x in values if np.isfinite(x)]
-    if not known:
+    finite = [x for x in values if np.isfinite(x)]
+    if not finite:
         return "an unknown number of"
-    low, high = numerals.number(min(known), digits), numerals.number(max(known), digits)
+    low, high = numerals.number(min(finite), digits), numerals.number(max(finite), digits)
     return low if low == high else f"{low} to {high}"
 
 
 def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
     """Returns a note on why ratios of times differ from the paper's: the cost per distance, and how
     many distances are saved."""
-    theirs = [
+    paper_costs = [
         1e9 * paper["naive"] / (paper["source_elements"] * paper["target_elements"])
         for paper in papers.values()
         if "naive" in paper
     ]
-    ours = [nanoseconds(grid.cells.get((scene, "naive"))) for scene in grid.scenes]
-    own = [
+    naive_costs = [nanoseconds(grid.cells.get((scene, "naive"))) for scene in grid.scenes]
+    framework_costs = [
         1e9 * cell.time.value / cell.count(WORK)
         if (cell := grid.cells.get((scene, "adaptive"))) and cell.time.n
         else np.nan
         for scene in grid.scenes
     ]
     parts = [
-        f"In the paper a pair of points costs NAIVEHDD {span(theirs, 3)} ns, here {span(ours)} ns. A distance, bound or "
-        f"node costs the framework {span(own)} ns here, preparation included: to gain time, each must save NAIVEHDD "
-        f"{span([a / b for a, b in zip(own, ours)])} pairs."
+        f"In the paper a pair of points costs NAIVEHDD {span(paper_costs, 3)} ns, here {span(naive_costs)} ns. A distance, bound or "
+        f"node costs the framework {span(framework_costs)} ns here, preparation included: to gain time, each must save NAIVEHDD "
+        f"{span([a / b for a, b in zip(framework_costs, naive_costs)])} pairs."
     ]
     for slow in [slow for slow, fast in RATIOS if fast == "adaptive"]:
-        saved = [
-            [grid.ratio(scene, slow, "adaptive", what).value for scene in grid.scenes]
-            for what in ("distances", "distances, bounds and nodes", "")
-        ]
+        saved = []
+        for measure in ("distances", "distances, bounds and nodes", ""):
+            ratios = [grid.ratio(scene, slow, "adaptive", measure) for scene in grid.scenes]
+            saved.append([ratio.value for ratio in ratios])
         if np.isfinite(saved).any():
             parts.append(
                 f"{style.title(slow)} computes {span(saved[0])} times as many distances as the framework, {span(saved[1])} times as many distances, "
@@ -97,8 +97,8 @@ def faster(grid: Grid, slow: str) -> Verdict:
     table EARLYBREAK is faster."""
     claim = claims.of("zhang2017", f"framework_{slow}")
     return in_time_and_work(
-        lambda what: on_average(
-            claim, [grid.ratio(scene, slow, "adaptive", what) for scene in grid.scenes]
+        lambda measure: on_average(
+            claim, [grid.ratio(scene, slow, "adaptive", measure) for scene in grid.scenes]
         )
     )
 
@@ -106,7 +106,7 @@ def faster(grid: Grid, slow: str) -> Verdict:
 def all_pairs(grid: Grid) -> Verdict:
     """Judges the claim that NAIVEHDD computes |A| * |B| distances. It is deterministic, so one row
     per pair is enough."""
-    known = [
+    counted = [
         cell
         for scene in grid.scenes
         if (cell := grid.cells.get((scene, "naive"))) and not np.isnan(cell.count(DISTANCES))
@@ -115,10 +115,10 @@ def all_pairs(grid: Grid) -> Verdict:
     unlike = sum(
         cell.count(DISTANCES)
         != int(cases.source_elements[cell.cases[0]]) * int(cases.target_elements[cell.cases[0]])
-        for cell in known
+        for cell in counted
     )
     return all_of(
-        claims.of("zhang2017", "all_pairs"), unlike, len(known), len(grid.scenes), "pairs"
+        claims.of("zhang2017", "all_pairs"), unlike, len(counted), len(grid.scenes), "pairs"
     )
 
 
@@ -144,7 +144,7 @@ def make(results: Results) -> Report:
     )
     records: list[tables.Record] = []
     for scene in grid.scenes:
-        paper, first, own = papers.get(scene, {}), grid.first(scene), grid.row(scene)
+        paper, first, cells = papers.get(scene, {}), grid.first(scene), grid.row(scene)
         table.rules.add(len(table.rows))
         table.rows.append(
             [
@@ -155,41 +155,30 @@ def make(results: Results) -> Report:
                 *[numerals.ratio(grid.ratio(scene, *pair)) for pair in RATIOS],
             ]
         )
-        for what, names in MEASURES.items():
-            table.rows.append(
-                [
-                    "",
-                    what,
-                    "",
-                    *[count_text(cell, names) for cell in own],
-                    *[numerals.ratio(grid.ratio(scene, *pair, what)) for pair in RATIOS],
-                ]
-            )
+        for measure, names in MEASURES.items():
+            counts = [count_text(cell, names) for cell in cells]
+            ratios = [numerals.ratio(grid.ratio(scene, *pair, measure)) for pair in RATIOS]
+            table.rows.append(["", measure, "", *counts, *ratios])
         table.rows.append(
             [
                 "",
                 "ns per distance",
                 "",
-                *[numerals.number(nanoseconds(cell)) for cell in own],
+                *[numerals.number(nanoseconds(cell)) for cell in cells],
                 *[numerals.NOTHING] * len(RATIOS),
             ]
         )
         if paper:
-            table.rows.append(
-                [
-                    "",
-                    "paper",
-                    f"{paper['source_elements']:,} / {paper['target_elements']:,}",
-                    *[
-                        f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
-                        for _, label in grid.labels
-                    ],
-                    *[paper_ratio(paper, *pair) for pair in RATIOS],
-                ]
-            )
+            sizes = f"{paper['source_elements']:,} / {paper['target_elements']:,}"
+            times = [
+                f"{paper[label] * scale:.6g}" if label in paper else numerals.NOTHING
+                for _, label in grid.labels
+            ]
+            ratios = [paper_ratio(paper, *pair) for pair in RATIOS]
+            table.rows.append(["", "paper", sizes, *times, *ratios])
         if cases.scene_note[first]:
             table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}")
-        for (solver, label), cell in zip(grid.labels, own):
+        for (solver, label), cell in zip(grid.labels, cells):
             if cell:
                 records.append(
                     {

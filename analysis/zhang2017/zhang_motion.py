@@ -93,7 +93,7 @@ class Motion:
             ).append(row)
         self.poses = []
         for index, seeds in sorted(by_pose.items()):
-            rows = {label: own[0] for label, own in seeds.items()}
+            rows = {label: seed_rows[0] for label, seed_rows in seeds.items()}
             first = next(iter(rows.values()))
             self.poses.append(
                 Pose(
@@ -122,27 +122,28 @@ class Motion:
     def time(self, pose: Pose, label: str) -> Estimate:
         return median(list(self.rounds(pose, label).values()))
 
-    def work(self, pose: Pose, label: str, what: str) -> float:
+    def work(self, pose: Pose, label: str, measure: str) -> float:
         """Returns the counted work of the first seed; NaN without an answer or a count."""
-        return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
+        return next(iter(self.work_by_seed(pose, label, measure)), math.nan) or math.nan
 
-    def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
+    def work_by_seed(self, pose: Pose, label: str, measure: str) -> list[float]:
         """Returns the counted work of each seed. Empty if a seed has no answer, because only slow
         ones would be missing."""
         rows, counters = pose.seeds.get(label, []), self.results.cases.counters
         if any(self.results.cases.status[row] != "ok" for row in rows):
             return []
-        return [
-            float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters))
-            for row in rows
-        ]
+        columns = [counters[name] for name in MEASURES[measure] if name in counters]
+        counts = []
+        for row in rows:
+            counts.append(float(sum(int(column[row]) for column in columns)))
+        return counts
 
     def work_ratio(
         self,
         poses: Sequence[tuple[Pose, Pose]],
         slow: str,
         fast: str,
-        what: str,
+        measure: str,
         chosen: bool = False,
     ) -> Estimate:
         """Returns the median over pairs of poses of the ratio of counted work, exact for
@@ -150,20 +151,19 @@ class Motion:
 
         `chosen` leaves out the first seed, by whose counts the caller chose the poses.
         """
-        known = [
+        counted = [
             (a, b)
             for p, q in poses
-            if (a := self.work_by_seed(p, slow, what))
-            and (b := self.work_by_seed(q, fast, what))
+            if (a := self.work_by_seed(p, slow, measure))
+            and (b := self.work_by_seed(q, fast, measure))
             and min(a + b) > 0
         ]
-        if not known:
+        if not counted:
             return NO_DATA
-        seeds = min((len(x) for pair in known for x in pair if len(x) > 1), default=1)
-        ratios = [
-            float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in known]))
-            for i in range(seeds)
-        ]
+        seeds = min((len(x) for pair in counted for x in pair if len(x) > 1), default=1)
+        ratios = []
+        for i in range(seeds):
+            ratios.append(float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in counted])))
         alone = [
             p.rows[label]
             for pair in poses
@@ -177,21 +177,23 @@ class Motion:
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
         """Returns the times of these solvers at each pose of the regime at which all were timed."""
-        return [
-            tuple(self.time(p, label).value for label in labels)
-            for p in self.poses
-            if p.regime == regime and all(self.time(p, label).n for label in labels)
-        ]
+        timed = []
+        for pose in self.poses:
+            if pose.regime == regime:
+                times = [self.time(pose, label) for label in labels]
+                if all(time.n for time in times):
+                    timed.append(tuple(time.value for time in times))
+        return timed
 
-    def ratio(self, regime: str, slow: str, fast: str, what: str = "") -> Estimate:
+    def ratio(self, regime: str, slow: str, fast: str, measure: str = "") -> Estimate:
         """Returns the median ratio of times over the poses of a regime, with an interval over
         rounds.
 
-        With `what`, returns the ratio of counted work, which differs between seeds, not rounds.
+        With `measure`, returns the ratio of counted work, which differs between seeds, not rounds.
         """
         poses = [pose for pose in self.poses if pose.regime == regime]
-        if what:
-            return self.work_ratio([(p, p) for p in poses], slow, fast, what)
+        if measure:
+            return self.work_ratio([(p, p) for p in poses], slow, fast, measure)
         both = [p for p in poses if self.rounds(p, slow) and self.rounds(p, fast)]
         lacking = [apart(origins(self.results, (p.rows[slow], p.rows[fast]))) for p in both]
         pairs = [
@@ -202,37 +204,38 @@ class Motion:
         if both and not pairs:
             return next(lacks for lacks in lacking if lacks)
         shared = set.intersection(*[a.keys() & b.keys() for a, b in pairs]) if pairs else set[int]()
-        medians = [
-            math.exp(float(np.median([math.log(a[i] / b[i]) for a, b in pairs])))
-            for i in sorted(shared)
-        ]
+        medians = []
+        for i in sorted(shared):
+            logarithms = [math.log(a[i] / b[i]) for a, b in pairs]
+            medians.append(math.exp(float(np.median(logarithms))))
         return paired_ratio(medians, [1.0] * len(medians))
 
     def verdicts(self) -> list[Verdict]:
-        labels = [
-            label
-            for label in ("earlybreak", "adaptive")
-            if any(label in p.rows for p in self.poses)
-        ]
-        found = [judge(label) for judge in (self.peak, self.nearer) for label in labels]
+        present = {label for pose in self.poses for label in pose.rows}
+        labels = [label for label in ("earlybreak", "adaptive") if label in present]
+        judged = [judge(label) for judge in (self.peak, self.nearer) for label in labels]
         for name, regime, slow, fast in COMPARED:
             claim = claims.of("zhang2017", name, self.scene)
             times = self.times(regime, slow, fast)
+            slower = sum(a > b for a, b in times)
+            longest_slow = max((a for a, _ in times), default=math.nan)
+            longest_fast = max((b for _, b in times), default=math.nan)
             evidence = (
-                f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
-                f"{numerals.number(1000 * max((b for _, b in times), default=math.nan))} against "
-                f"{numerals.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
+                f"at {slower} of {len(times)} poses; longest "
+                f"{numerals.number(1000 * longest_fast)} against "
+                f"{numerals.number(1000 * longest_slow)} ms; median of "
                 f"{style.title(slow)} / {style.title(fast)}"
             )
             titles = f"median of {style.title(slow)} / {style.title(fast)}"
             counted = {
-                what: above_one(claim, self.ratio(regime, slow, fast, what), titles)
-                for what in MEASURES
+                measure: above_one(claim, self.ratio(regime, slow, fast, measure), titles)
+                for measure in MEASURES
             }
-            found.append(
+            judged.append(
                 above_one(claim, self.ratio(regime, slow, fast), evidence).with_counts(counted)
             )
-        return [*found, *[self.culled(*one) for one in CULLED], *self.worst_case()]
+        judged += [self.culled(name, regime, more) for name, regime, more in CULLED]
+        return judged + self.worst_case()
 
     def nearer(self, label: str) -> Verdict:
         """Judges the claim that nearer poses take longer, by a correlation per round; for counted
@@ -241,21 +244,18 @@ class Motion:
         timed = [p for p in self.poses if self.time(p, label).n and math.isfinite(p.distance)]
         x = [-p.distance for p in timed]
 
-        def judge(what: str) -> Verdict:
-            if what:
-                counts = [self.work_by_seed(p, label, what) for p in timed]
-                return rising_by_run(
-                    claim,
-                    [
-                        (x, [one[i] for one in counts])
-                        for i in range(min(map(len, counts), default=0))
-                    ],
-                )
+        def judge(measure: str) -> Verdict:
+            if measure:
+                counts = [self.work_by_seed(p, label, measure) for p in timed]
+                return rising_by_run(claim, [(x, list(by_pose)) for by_pose in zip(*counts)])
             if why := reason_apart(origins(self.results, [p.rows[label] for p in timed])):
                 return Verdict(claim, UNTESTED, f"times {why}")
             times = [self.rounds(p, label) for p in timed]
-            shared = sorted(set.intersection(*[set(one) for one in times])) if times else []
-            return rising_by_run(claim, [(x, [one[number] for one in times]) for number in shared])
+            shared = sorted(set.intersection(*map(set, times))) if times else []
+            runs = []
+            for number in shared:
+                runs.append((x, [by_round[number] for by_round in times]))
+            return rising_by_run(claim, runs)
 
         return in_time_and_work(judge)
 
@@ -264,23 +264,19 @@ class Motion:
         regime, per seed."""
         claim = claims.of("zhang2017", name, self.scene)
         cases = self.results.cases
-        shares = [
-            [
-                self.results.extras(row).get("culled", math.nan) / int(cases.source_elements[row])
-                if cases.status[row] == "ok"
-                else math.nan
-                for row in pose.seeds.get("ohd", [])
-            ]
-            for pose in self.poses
-            if pose.regime == regime
-        ]
-        known = [one for one in shares if one and all(map(math.isfinite, one))]
-        share = median(
-            [
-                float(np.median([one[i] for one in known]))
-                for i in range(min(map(len, known), default=0))
-            ]
-        )
+        complete = []  # by pose, then by seed
+        for pose in self.poses:
+            if pose.regime == regime:
+                shares = [
+                    self.results.extras(row).get("culled", math.nan)
+                    / int(cases.source_elements[row])
+                    if cases.status[row] == "ok"
+                    else math.nan
+                    for row in pose.seeds.get("ohd", [])
+                ]
+                if shares and all(map(math.isfinite, shares)):
+                    complete.append(shares)
+        share = median([float(np.median(by_pose)) for by_pose in zip(*complete)])
         if not share.n:
             return Verdict(claim, UNTESTED, "no pose says how many points were culled")
         sure = share.has_interval and share.coverage >= 1 - ERROR
@@ -292,7 +288,7 @@ class Motion:
             Verdict(
                 claim,
                 outcome,
-                f"{numerals.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds",
+                f"{numerals.estimate(share, 100, limit=100 * HALF)} % of A, at {len(complete)} poses, over n = {share.n} seeds",
             ),
             [share],
         )
@@ -341,31 +337,37 @@ class Motion:
         nearest = min(timed, key=lambda p: p.distance)
         least = [i for i, p in enumerate(timed) if p.distance <= nearest.distance]
         # The motion is sampled, so poses next to the nearest ones count as the same place.
-        near = [p for i, p in enumerate(timed) if min(abs(i - k) for k in least) <= 1]
+        near = []
+        for i, p in enumerate(timed):
+            if min(abs(i - k) for k in least) <= 1:
+                near.append(p)
         far = [p for p in timed if p not in near]
 
-        def verdict(what: str) -> Verdict:
+        def verdict(measure: str) -> Verdict:
             top = max(
                 timed,
-                key=lambda p: self.work(p, label, what) if what else self.time(p, label).value,
+                key=lambda p: self.work(p, label, measure)
+                if measure
+                else self.time(p, label).value,
             )
             text = f"greatest at x = {top.shift:.3g}, least distance at x = {nearest.shift:.3g}"
             here, rival = (
-                max(poses, key=lambda p: self.work(p, label, what or WORK)) for poses in (near, far)
+                max(poses, key=lambda p: self.work(p, label, measure or WORK))
+                for poses in (near, far)
             )
             return greatest(
-                claim, [ratio(here, p, what) for p in far], ratio(here, rival, what), text
+                claim, [ratio(here, p, measure) for p in far], ratio(here, rival, measure), text
             )
 
-        def ratio(a: Pose, b: Pose, what: str) -> Estimate:
-            if what:
-                return self.work_ratio([(a, b)], label, label, what, chosen=True)
+        def ratio(a: Pose, b: Pose, measure: str) -> Estimate:
+            if measure:
+                return self.work_ratio([(a, b)], label, label, measure, chosen=True)
             return apart(origins(self.results, (a.rows[label], b.rows[label]))) or ratio_by_round(
                 self.rounds(a, label), self.rounds(b, label)
             )
 
         if not far or not all(
-            math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES
+            math.isfinite(self.work(p, label, measure)) for p in timed for measure in MEASURES
         ):
             return Verdict(claim, UNTESTED, "no pose far from there, or nothing counted")
         return in_time_and_work(verdict)
@@ -373,8 +375,8 @@ class Motion:
     def reuse(self) -> list[str]:
         """Returns notes on structures that were not built again, by reason: 'built once ...: saved
         NOHD 12.3 ms, OHD 13.1 ms'."""
-        ledger, found = self.results.ledger, dict[str, dict[str, str]]()
-        for subject, what, reason, seconds in zip(
+        ledger, by_reason = self.results.ledger, dict[str, dict[str, str]]()
+        for subject, part, reason, seconds in zip(
             ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved
         ):
             solver = next(
@@ -386,14 +388,15 @@ class Motion:
                 ),
                 None,
             )
-            if solver and what == "structures for each pose":
-                found.setdefault(str(reason), {}).setdefault(
+            if solver and part == "structures for each pose":
+                by_reason.setdefault(str(reason), {}).setdefault(
                     style.title(*solver), f"{numerals.number(1000 * seconds)} ms"
                 )
-        return [
-            f"{reason}: saved {', '.join(f'{title} {saved}' for title, saved in own.items())}"
-            for reason, own in found.items()
-        ]
+        notes = []
+        for reason, savings in by_reason.items():
+            listed = ", ".join(f"{title} {saved}" for title, saved in savings.items())
+            notes.append(f"{reason}: saved {listed}")
+        return notes
 
 
 def _regime(results: Results, rows: dict[str, int]) -> str:
@@ -409,19 +412,14 @@ def make(results: Results) -> Report:
     motions = [Motion(results, scene) for scene in results.scenes]
     labels = style.order(pair for motion in motions for pair in motion.labels)
     clock = clock_word(results)
+    ratio_titles = [
+        f"EARLYBREAK / {title}{measure and ', '}{measure}"
+        for title in ("NOHD", "OHD")
+        for measure in ("", *MEASURES)
+    ]
     table = tables.Table(
         f"{caption} {clock_title(results)} to solve a pose, µs: median over the poses of each kind.",
-        [
-            "models",
-            "|A| / |B|",
-            "poses",
-            *[style.title(*pair) for pair in labels],
-            *[
-                f"EARLYBREAK / {title}{what and ', '}{what}"
-                for title in ("NOHD", "OHD")
-                for what in ("", *MEASURES)
-            ],
-        ],
+        ["models", "|A| / |B|", "poses", *[style.title(*pair) for pair in labels], *ratio_titles],
         left=2,
     )
     records: list[tables.Record] = []
@@ -435,8 +433,10 @@ def make(results: Results) -> Report:
             for _, label in labels:
                 times = [motion.time(p, label) for p in poses if label in p.rows]
                 failed = sum(not t.n for t in times)
-                known = [t.value for t in times if t.n]
-                text = numerals.number(1e6 * float(np.median(known))) if known else numerals.NOTHING
+                values = [t.value for t in times if t.n]
+                text = (
+                    numerals.number(1e6 * float(np.median(values))) if values else numerals.NOTHING
+                )
                 cells.append(text + (f" ({failed} failed)" if failed else ""))
             table.rows.append(
                 [
@@ -445,9 +445,9 @@ def make(results: Results) -> Report:
                     str(len(poses)),
                     *cells,
                     *[
-                        numerals.ratio(motion.ratio(regime, "earlybreak", label, what))
+                        numerals.ratio(motion.ratio(regime, "earlybreak", label, measure))
                         for label in ("nohd", "ohd")
-                        for what in ("", *MEASURES)
+                        for measure in ("", *MEASURES)
                     ],
                 ]
             )
@@ -553,14 +553,9 @@ def draw(
                     linestyle=looks.line,
                     linewidth=0.7,
                 )
-                upper.fill_between(
-                    x,
-                    [t.low for _, t in timed],
-                    [t.high for _, t in timed],
-                    color=looks.colour,
-                    alpha=0.25,
-                    linewidth=0,
-                )
+                low = [t.low for _, t in timed]
+                high = [t.high for _, t in timed]
+                upper.fill_between(x, low, high, color=looks.colour, alpha=0.25, linewidth=0)
                 upper.plot(x[::4], [t.value for _, t in timed][::4], **style.filled_marker(looks))
             failed = {
                 str(motion.results.cases.status[pose.rows[label]])

@@ -31,7 +31,7 @@ class Spec:
     with_it: str
     part: str  # name of the part that only `with_it` has
     gains: str  # id of the paper's claim
-    others: tuple[str, ...]  # more labels, one column each
+    more_labels: tuple[str, ...]  # one column each
     notes: list[str]
     extra: Callable[
         [Results, str, dict[str, Cell]], list[tuple[str, str, float]]
@@ -49,7 +49,7 @@ class Pair:
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
         cases = results.cases
         self.scene, self.number = scene, int(scene.split()[-1])
-        labels = (spec.without, spec.with_it, *spec.others)
+        labels = (spec.without, spec.with_it, *spec.more_labels)
         self.cells = {
             label: Cell(results, rows)
             for label in labels
@@ -66,7 +66,7 @@ class Pair:
                 slow.share_preparation(fast)
             self.ratio = compare(slow, fast)
             self.counted = {
-                what: compare_work(slow, fast, names) for what, names in MEASURES.items()
+                measure: compare_work(slow, fast, names) for measure, names in MEASURES.items()
             }
 
     def time(self, label: str) -> Estimate:
@@ -80,7 +80,8 @@ def make(spec: Spec, results: Results) -> Report:
     printed = paper_numbers(results.stem)
     papers = {row["pair"]: row for row in printed["row"]}
     pairs = [Pair(results, spec, scene) for scene in results.scenes]
-    shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
+    present = {label for pair in pairs for label in pair.cells}
+    shown = [label for label in spec.more_labels if label in present]
     unit, scale = numerals.time_unit(
         pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it)
     )
@@ -88,6 +89,7 @@ def make(spec: Spec, results: Results) -> Report:
         style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown
     ]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
+    extra_titles = [title for title, _, _ in (extras[0] if extras else [])]
     table = tables.Table(
         spec.caption + f" {total_title(results)}, {unit}, here and as printed.",
         [
@@ -99,9 +101,9 @@ def make(spec: Spec, results: Results) -> Report:
             "here: without",
             "here: with",
             "here: ratio",
-            *[f"{what}: ratio" for what in MEASURES],
+            *[f"{measure}: ratio" for measure in MEASURES],
             *titles,
-            *[header for header, _, _ in (extras[0] if extras else [])],
+            *extra_titles,
         ],
         left=2,
     )
@@ -111,20 +113,26 @@ def make(spec: Spec, results: Results) -> Report:
         slow, fast = float(paper.get(spec.without, math.nan)), float(
             paper.get(spec.with_it, math.nan)
         )
+        paper_times = [
+            numerals.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)
+        ]
+        extra_texts = [text for _, text, _ in extra]
         table.rows.append(
             [
                 str(pair.number),
                 f"{pair.n:,} / {pair.m:,}",
-                *[numerals.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
+                *paper_times,
                 numerals.number(slow / fast),
                 pair.text(spec.without, scale),
                 pair.text(spec.with_it, scale),
                 numerals.ratio(pair.ratio),
                 *map(numerals.ratio, pair.counted.values()),
                 *[pair.text(label, scale) for label in shown],
-                *[text for _, text, _ in extra],
+                *extra_texts,
             ]
         )
+        ratios = {f"{measure}, ratio": x.value for measure, x in pair.counted.items()}
+        extra_values = {header: value for header, _, value in extra}
         for label, cell in pair.cells.items():
             records.append(
                 {
@@ -140,8 +148,8 @@ def make(spec: Spec, results: Results) -> Report:
                     "ratio": pair.ratio.value,
                     "ratio_low": pair.ratio.low,
                     "ratio_high": pair.ratio.high,
-                    **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
-                    **{header: value for header, _, value in extra},
+                    **ratios,
+                    **extra_values,
                     **cell.counters,
                 }
             )
@@ -151,7 +159,7 @@ def make(spec: Spec, results: Results) -> Report:
         "every machine; for a solver with a seed they depend on it, and one seed is one draw.",
         what_it_saves(spec, pairs),
         tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
-        + " If a solver was run with several seeds, n counts them." * has_seeds(pairs),
+        + (" If a solver was run with several seeds, n counts them." if has_seeds(pairs) else ""),
         *spec.notes,
         f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}.",
     ]
@@ -180,39 +188,38 @@ def unit_of(pairs: list[Pair]) -> str:
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
     gained = claims.of("zhang2017", spec.gains)
     gains = in_time_and_work(
-        lambda what: on_average(
-            gained, [pair.counted[what] if what else pair.ratio for pair in pairs]
+        lambda measure: on_average(
+            gained, [pair.counted[measure] if measure else pair.ratio for pair in pairs]
         )
     )
     claim = claims.of("zhang2017", "time_by_size")
     timed = [pair for pair in pairs if pair.time(spec.with_it).n]
     sizes = [float(pair.n + pair.m) for pair in timed]
     cells = [pair.cells[spec.with_it] for pair in timed]
-    why = reason_apart(one for cell in cells for one in cell.origins)
+    why = reason_apart(origin for cell in cells for origin in cell.origins)
     return [
         gains,
         in_time_and_work(
-            lambda what: Verdict(claim, UNTESTED, f"times {why}")
-            if why and not what
-            else rising(claim, sizes, [cell.cost(what) for cell in cells])
+            lambda measure: Verdict(claim, UNTESTED, f"times {why}")
+            if why and not measure
+            else rising(claim, sizes, [cell.cost(measure) for cell in cells])
         ),
     ]
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
     """Returns a note on how much work and time the part saves (medians over the pairs)."""
-    known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
-    if not known:
+    complete = []
+    for pair in pairs:
+        if pair.ratio.n and all(x.n for x in pair.counted.values()):
+            complete.append(pair)
+    if not complete:
         return f"These rows do not say how much work {spec.part} saves."
-    work, time = (
-        [1 - 1 / x for x in values]
-        for values in (
-            [pair.counted["distances, bounds and nodes"].value for pair in known],
-            [pair.ratio.value for pair in known],
-        )
-    )
+    work = [1 - 1 / pair.counted["distances, bounds and nodes"].value for pair in complete]
+    time = [1 - 1 / pair.ratio.value for pair in complete]
     cost = [
-        1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known
+        1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK)
+        for pair in complete
     ]
     return (
         f"Over these pairs, {spec.part} saves {numerals.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
@@ -228,10 +235,12 @@ def draw(
     marks the paper's."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
-    own = style.look(solver)
+    solver_look = style.look(solver)
     looks = {
         spec.without: style.Look(f"without {spec.part}", style.GREY, "s", style.DOTTED),
-        solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line),
+        solver: style.Look(
+            f"with {spec.part}", solver_look.colour, solver_look.marker, solver_look.line
+        ),
     }
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
@@ -253,16 +262,23 @@ def draw(
     for pair in pairs:
         if pair.ratio.n:
             style.interval(
-                right, pair.ratio, pair.number, upright=True, color=own.colour, linewidth=1.2
+                right,
+                pair.ratio,
+                pair.number,
+                upright=True,
+                color=solver_look.colour,
+                linewidth=1.2,
             )
-            right.plot(pair.number, pair.ratio.value, **style.filled_marker(own))
+            right.plot(pair.number, pair.ratio.value, **style.filled_marker(solver_look))
         elif pair.cells:
             right.text(
                 pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom"
             )
         paper = papers.get(pair.number, {})
         if spec.without in paper and solver in paper:
-            right.plot(pair.number, paper[spec.without] / paper[solver], **style.open_marker(own))
+            right.plot(
+                pair.number, paper[spec.without] / paper[solver], **style.open_marker(solver_look)
+            )
     right.axhline(1, color="#333333", linewidth=0.6)
     right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
     right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")

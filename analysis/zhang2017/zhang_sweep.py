@@ -68,13 +68,13 @@ class Sweep:
             self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan
         )
 
-    def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
-        """Returns the ratio of times, or of counts MEASURES[what], of value `slow` / value
+    def ratio(self, scene: str, slow: float, fast: float, measure: str = "") -> Estimate:
+        """Returns the ratio of times, or of counts MEASURES[measure], of value `slow` / value
         `fast`."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
         pair = self.cells[scene, slow], self.cells[scene, fast]
-        return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
+        return compare_work(*pair, MEASURES[measure]) if measure else compare(*pair)
 
     def times_the_least(self, scene: str, value: float) -> float:
         """Returns the time / the least time of the scene; NaN if the two are not comparable."""
@@ -89,8 +89,8 @@ class Sweep:
         """Judges a claim that one value is slower than another on every pair, in time and in
         counted work."""
         return in_time_and_work(
-            lambda what: everywhere(
-                claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]
+            lambda measure: everywhere(
+                claim, [self.ratio(scene, slow, fast, measure) for scene in self.scenes]
             )
         )
 
@@ -101,15 +101,14 @@ class Sweep:
         among = [value for value in among if value in timed]
         texts = [self.spec.text_of(value) for value in among]
 
-        def judge(what: str) -> Verdict:
-            rivals = [
-                (self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
-                for value in timed
-                if value not in among
-            ]
-            known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
-            best = min(timed, key=lambda v: self.cells[scene, v].cost(what), default=math.nan)
-            return least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
+        def judge(measure: str) -> Verdict:
+            rivals = []
+            for value in timed:
+                ratios = [self.ratio(scene, value, claimed, measure) for claimed in among]
+                if value not in among and ratios and all(ratio.n for ratio in ratios):
+                    rivals.append((self.spec.text_of(value), ratios))
+            best = min(timed, key=lambda v: self.cells[scene, v].cost(measure), default=math.nan)
+            return least_among(claim, rivals, self.spec.text_of(best) if timed else "", texts)
 
         return in_time_and_work(judge)
 
@@ -166,7 +165,7 @@ def make(spec: Spec, results: Results) -> Report:
             )
     table.verdicts = spec.verdicts(sweep)
     table.notes = [
-        tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note + "",
+        tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note,
         f"Here: {machine_line(results)}.",
     ]
     caption = (

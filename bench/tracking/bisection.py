@@ -85,21 +85,21 @@ def restored(tree: Path) -> None:
 
 def case_named(name: str, experiment: Path) -> Case:
     """Returns the case. Raises ValueError unless exactly one case has the name."""
-    known = cases(experiment)
-    if any(one.name.startswith(name) for one in KERNELS) and not any(
-        case.name.startswith(name) for case in known
-    ):
+    all_cases = cases(experiment)
+    names_a_kernel = any(kernel.name.startswith(name) for kernel in KERNELS)
+    names_a_case = any(case.name.startswith(name) for case in all_cases)
+    if names_a_kernel and not names_a_case:
         raise ValueError(
             f"{name!r} is a kernel: kernels count no work, so they cannot be searched; `make history` measures "
             "their times and instructions at several commits"
         )
-    found = chosen([name], known)
-    exact = [case for case in found if case.name == name]
-    if len(exact or found) != 1:
+    matching = chosen([name], all_cases)
+    exact = [case for case in matching if case.name == name]
+    if len(exact or matching) != 1:
         raise ValueError(
-            f"{name!r} names more than one case: {', '.join(case.name for case in found)}"
+            f"{name!r} names more than one case: {', '.join(case.name for case in matching)}"
         )
-    return (exact or found)[0]
+    return (exact or matching)[0]
 
 
 def measure(tree: Path, case: Case, by: str) -> Measured:
@@ -134,9 +134,9 @@ def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0)
     ]
 
 
-def apart(one: int, other: int) -> float:
-    """Returns |log((1 + one) / (1 + other))|, which is finite even for counts of 0."""
-    return abs(math.log1p(one) - math.log1p(other))
+def apart(first: int, second: int) -> float:
+    """Returns |log((1 + first) / (1 + second))|, which is finite even for counts of 0."""
+    return abs(math.log1p(first) - math.log1p(second))
 
 
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
@@ -146,14 +146,14 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
         raise Unclear(
             "good and bad have different shapes in this case, so their work says nothing about the code"
         )
-    found = [
+    ways = [
         way
         for way in WAYS[1:]
         if by in ("auto", way)
         and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)
     ]
-    if not found:
-        what = {
+    if not ways:
+        reason = {
             "auto": "neither work counters nor instructions differ",
             "counters": "work counters do not differ",
             "instructions": "instructions do not differ",
@@ -164,10 +164,10 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
             if side.uncounted
         )
         raise Unclear(
-            f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; if the time still "
+            f"{reason} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; if the time still "
             "differs, look at libraries, the compiler and the layout of the program"
         )
-    return found[0]
+    return ways[0]
 
 
 def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
@@ -177,9 +177,8 @@ def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str,
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
         raise NotMeasured("none of the differing counts is known at this commit")
-    to_good, to_bad = (
-        sum(apart(counts[name], side[name]) for name in names) for side in (good, bad)
-    )
+    to_good = sum(apart(counts[name], good[name]) for name in names)
+    to_bad = sum(apart(counts[name], bad[name]) for name in names)
     return to_bad < to_good
 
 
@@ -187,10 +186,10 @@ def step(tree: Path, question: Question) -> int:
     """Measures one commit for `git bisect run`, and returns the exit code."""
     commit = git_in(tree, "rev-parse", "HEAD")
     try:
-        found = measure(tree, case_named(question.case, Path(question.experiment)), question.by)
-        if found.shapes != question.shapes:
+        measured = measure(tree, case_named(question.case, Path(question.experiment)), question.by)
+        if measured.shapes != question.shapes:
             raise NotMeasured("its shapes are different")
-        counts = found.counts(question.by)
+        counts = measured.counts(question.by)
         bad = is_bad(counts, question.good, question.bad)
     except (NotBuilt, NotMeasured) as why:
         say(f"{commit[:10]} is skipped: {why}")
@@ -217,14 +216,14 @@ def locked(file: Path) -> Iterator[int]:
     step that outlives its search keeps the lock.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
-    with file.open("w") as held:
+    with file.open("w") as stream:
         try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise Unclear(
                 f"another search is running in {file.with_suffix('')}: wait until it ends, or stop it"
             ) from None
-        yield held.fileno()
+        yield stream.fileno()
 
 
 def checked_out(tree: Path, commit: str) -> None:
@@ -284,22 +283,22 @@ def search(tree: Path, ends: list[str], question: Path, command: list[str], lock
     return [last] if done.returncode == 0 else left
 
 
-def report(found: list[str], question: Question) -> None:
+def report(suspects: list[str], question: Question) -> None:
     """Prints the commit, and the counts on both sides of it."""
     names = differing(question.good, question.bad)
     log = [json.loads(line) for line in Path(question.log).read_text(encoding="utf-8").splitlines()]
-    known = {line["commit"]: line["counts"] for line in log}
+    counts_of = {line["commit"]: line["counts"] for line in log}
     print(
         "first bad commit:"
-        if len(found) == 1
+        if len(suspects) == 1
         else "the first bad commit is one of these; the others could not be measured:"
     )
-    for commit in found:
+    for commit in suspects:
         print(f"  {builds.git('show', '--no-patch', '--format=%h %cs %s', commit)}")
-    parents = builds.git("rev-list", "--parents", "-n", "1", found[-1]).split()[1:]
-    for word, commits in (("before", parents), ("after", found[:1])):
+    parents = builds.git("rev-list", "--parents", "-n", "1", suspects[-1]).split()[1:]
+    for word, commits in (("before", parents), ("after", suspects[:1])):
         for commit in commits:
-            counts = text_of(known[commit], names) if commit in known else "not measured"
+            counts = text_of(counts_of[commit], names) if commit in counts_of else "not measured"
             print(f"  {word}: {commit[:10]}: {counts}")
 
 
@@ -319,8 +318,8 @@ def find(
         whole = [builds.git("rev-parse", commit) for commit in ends]
         log.write_text(
             "".join(
-                json.dumps({"commit": commit, "counts": one}) + "\n"
-                for commit, one in zip(whole, counts)
+                json.dumps({"commit": commit, "counts": side_counts}) + "\n"
+                for commit, side_counts in zip(whole, counts)
             ),
             encoding="utf-8",
         )
@@ -328,9 +327,9 @@ def find(
             case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log)
         )
         file.write_text(json.dumps(asdict(question)), encoding="utf-8")
-        found = search(tree, ends, file, command, lock)
-        report(found, question)
-    return 0 if len(found) == 1 else 1
+        suspects = search(tree, ends, file, command, lock)
+        report(suspects, question)
+    return 0 if len(suspects) == 1 else 1
 
 
 def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, list[Measured]]:
@@ -345,8 +344,8 @@ def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, li
             raise Unclear(f"{commit} does not measure {case.name}: {why}") from None
     way = decided_by(sides[0], sides[1], by)
     counts = [side.counts(way) for side in sides]
-    for word, commit, one in zip(("good", "bad"), ends, counts):
-        say(f"{word}: {commit}: {text_of(one, differing(counts[0], counts[1]))}")
+    for word, commit, side_counts in zip(("good", "bad"), ends, counts):
+        say(f"{word}: {commit}: {text_of(side_counts, differing(counts[0], counts[1]))}")
     return way, sides
 
 

@@ -174,7 +174,7 @@ def run_words(program: Path, file: Path) -> list[str]:
         str(file.parent),
         "--fresh",
         "--quiet",
-        *["--no-reference"] * ("--no-reference" in helped),
+        *(["--no-reference"] if "--no-reference" in helped else []),
     ]
 
 
@@ -283,15 +283,15 @@ def least_of_kernels(output: str) -> dict[str, float]:
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}
     try:
-        found = json.loads(output)["benchmarks"]
+        benchmarks = json.loads(output)["benchmarks"]
     except ValueError:  # without matching benchmarks, the output is empty
         raise NotMeasured("kernel_bench has none of the benchmarks") from None
-    for one in found:
-        if one.get("run_type") != "iteration":
+    for benchmark in benchmarks:
+        if benchmark.get("run_type") != "iteration":
             continue
         name, seconds = (
-            one["run_name"].removesuffix(f"/{MESH}"),
-            one["cpu_time"] * units[one["time_unit"]],
+            benchmark["run_name"].removesuffix(f"/{MESH}"),
+            benchmark["cpu_time"] * units[benchmark["time_unit"]],
         )
         least[name] = min(seconds, least.get(name, seconds))
     return least

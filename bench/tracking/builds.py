@@ -133,7 +133,7 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
             ):
                 raise NotBuilt(f"{commit} does not build: its output is in {log}")
         bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
-        found = (
+        built = (
             subprocess.call(
                 bench,
                 stdin=subprocess.DEVNULL,
@@ -145,21 +145,21 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
         )
     kernels = build / "kernel_bench"
     return Build(
-        commit, build / "hausbench", kernels if found and kernels.is_file() else None, tree
+        commit, build / "hausbench", kernels if built and kernels.is_file() else None, tree
     )
 
 
 def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
     """Follows `from` from each model to its origin, and returns the origins that come from Debian
     or npm packages."""
-    found: set[str] = set()
+    origins: set[str] = set()
     for name in names:
         chain = [name]
         while (origin := models.get(chain[-1], {}).get("from")) and origin not in chain:
             chain.append(origin)
         if models.get(chain[-1], {}).get("source") in ("debian", "npm"):
-            found.add(chain[-1])
-    return sorted(found)
+            origins.add(chain[-1])
+    return sorted(origins)
 
 
 def fetch(tree: Path, names: Iterable[str]) -> None:

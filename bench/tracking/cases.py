@@ -46,7 +46,7 @@ class Kernel:
     function: str  # the function whose instructions are counted, as callgrind's --toggle-collect takes it
 
 
-KERNELS = tuple(
+BUILD_KERNELS = tuple(
     Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*")
     for name, structure in (
         ("bvh", "TriangleBvh"),
@@ -59,7 +59,8 @@ KERNELS = tuple(
         ("point_blocks", "PointBlocks"),
         ("rtree", "RTree"),
     )
-) + tuple(
+)
+CLOSEST_KERNELS = tuple(
     Kernel(name, f"hausbench::{function}(*")
     for name, function in (
         ("closest/bvh/cold", "TriangleTree::closest"),
@@ -68,6 +69,7 @@ KERNELS = tuple(
         ("closest/triangle_grid/cold", "TriangleGrid::closest"),
     )
 )
+KERNELS = BUILD_KERNELS + CLOSEST_KERNELS
 
 
 def cases(file: Path = EXPERIMENT) -> list[Case]:
@@ -78,29 +80,29 @@ def cases(file: Path = EXPERIMENT) -> list[Case]:
         key: value for key, value in table.items() if key not in ("scene", "solver", "profile")
     }
     scenes = {scene["name"]: scene for scene in table["scene"]}
-    found = []
+    listed = []
     for solver in table["solver"]:
         for name in solver.get("scenes", scenes):
             if name not in scenes:
                 raise ValueError(f"{file}: solver {solver['name']}: there is no scene {name!r}")
             alone = {key: value for key, value in solver.items() if key != "scenes"}
-            found.append(
+            listed.append(
                 Case(
                     f"{solver.get('label', solver['name'])} on {name}",
                     {**common, "scene": [scenes[name]], "solver": [alone]},
                 )
             )
-    if len(found) > MOST_CASES:
-        raise ValueError(f"{file}: {len(found)} cases; a run of track has time for {MOST_CASES}")
-    return found
+    if len(listed) > MOST_CASES:
+        raise ValueError(f"{file}: {len(listed)} cases; a run of track has time for {MOST_CASES}")
+    return listed
 
 
-def chosen(names: list[str], found: list[Case]) -> list[Case]:
+def chosen(names: list[str], listed: list[Case]) -> list[Case]:
     """Returns the cases whose names begin with one of `names`, or all if it is empty. Raises
     ValueError for a name without cases."""
     for name in names:
-        if not any(case.name.startswith(name) for case in found):
-            raise ValueError(f"there is no case {name!r}: {', '.join(case.name for case in found)}")
-    return [
-        case for case in found if not names or any(case.name.startswith(name) for name in names)
-    ]
+        if not any(case.name.startswith(name) for case in listed):
+            raise ValueError(
+                f"there is no case {name!r}: {', '.join(case.name for case in listed)}"
+            )
+    return [case for case in listed if not names or case.name.startswith(tuple(names))]

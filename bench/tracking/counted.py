@@ -95,32 +95,32 @@ def count_work(
     cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path
 ) -> Found:
     """Tier 1: compares the work counters of cases with the baseline."""
-    found = Found()
+    outcome = Found()
     for case in cases:
         try:
             block = measure(program, case, folder)
         except NotMeasured as why:
             if why.skipped:
-                found.lines.append(f"{case.name}: nothing measured: {why}")
+                outcome.lines.append(f"{case.name}: nothing measured: {why}")
             else:
-                found.red(f"{case.name}: no answer: {why}")
+                outcome.red(f"{case.name}: no answer: {why}")
             continue
-        found.measured[case.name] = {
+        outcome.measured[case.name] = {
             "shapes": block.shapes,
             **{name: count for name, count in block.counters.items() if count},
         }
         before = baseline.get(case.name)
         if before is None:
-            found.red(f"{case.name}: no baseline: add it with --update REASON")
+            outcome.red(f"{case.name}: no baseline: add it with --update REASON")
         elif before["shapes"] != block.shapes:
-            found.lines.append(f"{case.name}: {OTHER_SHAPES}")
+            outcome.lines.append(f"{case.name}: {OTHER_SHAPES}")
         else:
-            found.passed()
+            outcome.passed()
             for change in differences(
                 {name: count for name, count in before.items() if name != "shapes"}, block.counters
             ):
-                found.red(f"{case.name}: {change}")
-    return found
+                outcome.red(f"{case.name}: {change}")
+    return outcome
 
 
 def differences(before: Mapping[str, int], now: Mapping[str, int]) -> list[str]:
@@ -196,10 +196,10 @@ def unknown_instruction(logs: Path) -> NotMeasured | None:
     """
     for log in sorted(logs.glob("log.*")):
         text = log.read_text(errors="replace")
-        if found := re.search(r"unhandled instruction bytes: ((?:0x[0-9A-F]+ ?)+)", text):
+        if match := re.search(r"unhandled instruction bytes: ((?:0x[0-9A-F]+ ?)+)", text):
             at = re.search(r"^==\d+== +at 0x[0-9A-F]+: (.*)$", text, re.M)
             return NotMeasured(
-                f"valgrind does not know instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}",
+                f"valgrind does not know instruction {match[1].strip()} on this machine{f', at {at[1]}' if at else ''}",
                 skipped=True,
             )
     return None
@@ -366,26 +366,26 @@ def count_instructions(
         return Found(lines=[f"nothing measured: the baseline has no table for {parts}"])
     if not shutil.which("valgrind"):
         raise Missing("valgrind is missing: install it with 'make deps'")
-    found = Found(measured={"depends_on": parts})
+    outcome = Found(measured={"depends_on": parts})
     for name, count in in_parallel(jobs).items():
         before = (table or {}).get(name)
         if isinstance(count, NotMeasured):
             if count.skipped:
-                found.lines.append(f"{name}: nothing measured: {count}")
+                outcome.lines.append(f"{name}: nothing measured: {count}")
             else:
-                found.red(f"{name}: no count: {count}")
+                outcome.red(f"{name}: no count: {count}")
             continue
         now, of_shapes = count
-        found.measured[name] = now
+        outcome.measured[name] = now
         if before is None:
-            found.red(f"{name}: {now:,} instructions, no baseline: add it with --update REASON")
+            outcome.red(f"{name}: {now:,} instructions, no baseline: add it with --update REASON")
         elif of_shapes and of_shapes != shapes.get(name, of_shapes):
-            found.lines.append(f"{name}: {OTHER_SHAPES}")
+            outcome.lines.append(f"{name}: {OTHER_SHAPES}")
         else:
             words, same = said(now, before)
-            found.passed()
-            (found.lines.append if same else found.red)(f"{name}: {words}")
-    return found
+            outcome.passed()
+            (outcome.lines.append if same else outcome.red)(f"{name}: {words}")
+    return outcome
 
 
 # --- a new baseline

@@ -151,15 +151,15 @@ def self_test(judged: Sequence[Judged]) -> list[str]:
     """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no
     difference of the base from itself."""
     failures = [
-        f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: the difference is not between the builds"
-        for one in judged
-        if one.planted.n and (alarms(one.itself) or alarms(inverse(one.itself)))
+        f"{case.name}: the base is {case.itself.value:.3f} times as slow as itself: the difference is not between the builds"
+        for case in judged
+        if case.planted.n and (alarms(case.itself) or alarms(inverse(case.itself)))
     ]
-    planted = [one for one in judged if one.planted.n]
+    planted = [case for case in judged if case.planted.n]
     failures += [
-        f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
-        for one in planted
-        if not alarms(one.planted)
+        f"{case.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({case.planted.value:.3f}, lower end {case.planted.low:.3f})"
+        for case in planted
+        if not alarms(case.planted)
     ]
     return failures if planted else [*failures, "no slowdown was planted"]
 
@@ -171,18 +171,18 @@ def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
     if failures := self_test(judged):
         return Verdict.inconclusive, failures
     reasons = [
-        f"{one.name}: slower by {100 * (one.ratio.value - 1):.1f} %, and in a second run by {100 * (one.second.value - 1):.1f} %"
-        for one in judged
-        if one.red
+        f"{case.name}: slower by {100 * (case.ratio.value - 1):.1f} %, and in a second run by {100 * (case.second.value - 1):.1f} %"
+        for case in judged
+        if case.red
     ]
     verdict = Verdict.red if reasons else Verdict.passed
     reasons += [
-        f"{one.name}: an alarm ({100 * (one.ratio.value - 1):+.1f} %), which a second run did not repeat "
-        f"({100 * (one.second.value - 1):+.1f} %)"
-        for one in judged
-        if one.alarms and not one.red
+        f"{case.name}: an alarm ({100 * (case.ratio.value - 1):+.1f} %), which a second run did not repeat "
+        f"({100 * (case.second.value - 1):+.1f} %)"
+        for case in judged
+        if case.alarms and not case.red
     ]
-    if blurred := [one.name for one in judged if not one.sees <= PLANTED + LEAST]:
+    if blurred := [case.name for case in judged if not case.sees <= PLANTED + LEAST]:
         reasons.append(
             f"too noisy to see a slowdown of {100 * (PLANTED + LEAST):.0f} %: {', '.join(blurred)}"
         )

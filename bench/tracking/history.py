@@ -78,7 +78,7 @@ class Row:
         return self.measured, self.machine
 
 
-COLUMNS = [one.name for one in dataclasses.fields(Row)]
+COLUMNS = [field.name for field in dataclasses.fields(Row)]
 
 
 def cell(value: Any) -> str:
@@ -100,35 +100,35 @@ def row_of(cells: list[str]) -> Row:
     """Reads a row. Raises ValueError with the reason."""
     if len(cells) != len(COLUMNS):
         raise ValueError(f"it has {len(cells)} cells, not {len(COLUMNS)}")
-    known = dict(zip(COLUMNS, cells))
-    if not re.fullmatch(r"[0-9a-f]{7,40}\+?", known["commit"]):
-        raise ValueError(f"{known['commit']!r} is not a commit")
-    datetime.strptime(known["date"], TIME)
-    datetime.strptime(known["measured"], TIME)
-    if not known["machine"] or not known["case"]:
+    values = dict(zip(COLUMNS, cells))
+    if not re.fullmatch(r"[0-9a-f]{7,40}\+?", values["commit"]):
+        raise ValueError(f"{values['commit']!r} is not a commit")
+    datetime.strptime(values["date"], TIME)
+    datetime.strptime(values["measured"], TIME)
+    if not values["machine"] or not values["case"]:
         raise ValueError("the machine or the case is empty")
-    if (known["blocks"] == "0") != (known["cpu_seconds"] == ""):
+    if (values["blocks"] == "0") != (values["cpu_seconds"] == ""):
         raise ValueError("a row has both blocks and a time, or neither")
-    pairs = [part.partition("=") for part in known["counters"].split()]
+    pairs = [part.partition("=") for part in values["counters"].split()]
     cpu, low, high, wall = (
-        seconds_in(known[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds")
+        seconds_in(values[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds")
     )
     if math.isnan(low) != math.isnan(high) or low > cpu or cpu > high:
         raise ValueError("cpu_seconds is not between cpu_low and cpu_high")
     return Row(
-        known["commit"],
-        known["date"],
-        known["machine"],
-        known["measured"],
-        known["case"],
+        values["commit"],
+        values["date"],
+        values["machine"],
+        values["measured"],
+        values["case"],
         cpu,
         low,
         high,
-        int(known["blocks"]),
+        int(values["blocks"]),
         wall,
-        int(known["instructions"]) if known["instructions"] else None,
+        int(values["instructions"]) if values["instructions"] else None,
         {name: int(count) for name, _, count in pairs},
-        known["shapes"],
+        values["shapes"],
     )
 
 
@@ -198,20 +198,22 @@ def in_order(commits: dict[str, str]) -> list[str]:
     second; others by the given dates."""
     bare = {commit: commit.rstrip("+") for commit in commits}
     try:
-        known = builds.git(
+        hashes = builds.git(
             "rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()
         ).split()
     except builds.NotBuilt:
-        known = []
+        hashes = []
     there = {
         commit: i
-        for i, one in enumerate(known)
+        for i, whole in enumerate(hashes)
         for commit in commits
-        if one.startswith(bare[commit])
+        if whole.startswith(bare[commit])
     }
 
     def key(commit: str) -> tuple[int, bool, str, str]:
-        later_than = [place for one, place in there.items() if commits[one] <= commits[commit]]
+        later_than = [
+            place for earlier, place in there.items() if commits[earlier] <= commits[commit]
+        ]
         return (
             there.get(commit, max(later_than, default=-1)),
             commit not in there,
@@ -276,15 +278,15 @@ def say(text: str) -> None:
 def tell(versions: Sequence[Version]) -> None:
     """Reports cases left out since the last report: a line for each reason, with its cases and
     commits."""
-    found: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    left_out: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for version in versions:
         new = [name for name in version.empty if name not in version.told]
         for why in dict.fromkeys(version.empty[name] for name in new):
-            found.setdefault(
+            left_out.setdefault(
                 (why, tuple(name for name in new if version.empty[name] == why)), []
             ).append(version.build.commit)
         version.told.update(new)
-    for (why, names), commits in found.items():
+    for (why, names), commits in left_out.items():
         say(f"{', '.join(commits)}: no blocks from here on: {', '.join(names)}: {why}")
 
 
@@ -309,20 +311,18 @@ def date_of(commit: str) -> str:
 def versions_of(revisions: Sequence[str]) -> list[Version]:
     """Builds the commits, and returns the ones that build, oldest first and each once. Raises
     NotBuilt if there is none."""
-    found: dict[str, Version] = {}
+    by_commit: dict[str, Version] = {}
     for revision in revisions:
         try:
             build = builds.build_of(revision)
         except NotBuilt as problem:
             say(f"{revision} is left out: {problem}")
             continue
-        found[build.commit] = Version(build, date_of(build.commit))
-    if not found:
+        by_commit[build.commit] = Version(build, date_of(build.commit))
+    if not by_commit:
         raise NotBuilt("there is no commit to measure")
-    return [
-        found[commit]
-        for commit in in_order({commit: version.date for commit, version in found.items()})
-    ]
+    dates = {commit: version.date for commit, version in by_commit.items()}
+    return [by_commit[commit] for commit in in_order(dates)]
 
 
 def measure_kernels(version: Version, names: list[str]) -> None:
@@ -365,9 +365,9 @@ def one_round(
                 version.empty[case.name] = short(problem)
         bar.done(number * (len(chosen) + 1) + i + 1)
     for version in turn:
-        asked = [name for name in kernels if name not in version.empty]
-        if asked:
-            measure_kernels(version, asked)
+        measurable = [name for name in kernels if name not in version.empty]
+        if measurable:
+            measure_kernels(version, measurable)
     bar.done((number + 1) * (len(chosen) + 1))
 
 
@@ -375,11 +375,11 @@ def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> No
     """Drops the times of a case at commits where its shapes differ from the newest commit that
     measured it."""
     for case in chosen:
-        known = [version for version in versions if version.measured.get(case.name)]
-        for version in known:
-            if version.measured[case.name][0].shapes != known[-1].measured[case.name][0].shapes:
+        measured = [version for version in versions if version.measured.get(case.name)]
+        for version in measured:
+            if version.measured[case.name][0].shapes != measured[-1].measured[case.name][0].shapes:
                 del version.measured[case.name]
-                version.empty[case.name] = f"it has other shapes than {known[-1].build.commit}"
+                version.empty[case.name] = f"it has other shapes than {measured[-1].build.commit}"
 
 
 def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> list[Row]:
@@ -388,16 +388,18 @@ def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> l
         row = Row(version.build.commit, version.date, where, begun, name)
         kept = version.measured.get(name, [])
         if kept:
+            last = kept[-1]
             cpu = median([block.cpu for block in kept])
+            wall = [block.wall for block in kept]
             row = dataclasses.replace(
                 row,
                 cpu_seconds=cpu.value,
                 cpu_low=cpu.low,
                 cpu_high=cpu.high,
                 blocks=cpu.n,
-                counters={counter: count for counter, count in kept[-1].counters.items() if count},
-                wall_seconds=float(np.median([block.wall for block in kept])),
-                shapes=kept[-1].shapes,
+                counters={counter: count for counter, count in last.counters.items() if count},
+                wall_seconds=float(np.median(wall)),
+                shapes=last.shapes,
                 instructions=version.instructions.get(name),
             )
         rows.append(row)
@@ -407,13 +409,10 @@ def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> l
 def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequence[Kernel]) -> None:
     """Counts instructions of everything that has a time. Counts do not vary with load, so once is
     enough, and several run at once."""
-    there = version.measured
+    timed_cases = [case for case in chosen if case.name in version.measured]
+    timed_kernels = [kernel for kernel in kernels if kernel.name in version.measured]
     jobs = counted.jobs_of(
-        [case for case in chosen if case.name in there],
-        [kernel for kernel in kernels if kernel.name in there],
-        version.build.program,
-        version.build.kernels,
-        version.folder,
+        timed_cases, timed_kernels, version.build.program, version.build.kernels, version.folder
     )
     version.instructions = {
         name: count[0]
@@ -440,13 +439,10 @@ def measure(
         builds.fetch(version.build.tree, {model for case in chosen for model in case.models})
 
     def save() -> list[Row]:
+        every_name = [*(case.name for case in chosen), *names]
         return add(
             file,
-            [
-                row
-                for version in versions
-                for row in rows_of(version, [*(case.name for case in chosen), *names], where, begun)
-            ],
+            [row for version in versions for row in rows_of(version, every_name, where, begun)],
         )
 
     say(

@@ -52,8 +52,8 @@ class Subject:
     shapes: dict[str, str] = field(default_factory=dict)
     move: Callable[[], None] = lambda: None
 
-    def block(self, which: str) -> dict[str, float]:
-        return self.blocks([which], self.names)[0]
+    def block(self, side: str) -> dict[str, float]:
+        return self.blocks([side], self.names)[0]
 
 
 @dataclass(frozen=True)
@@ -92,31 +92,31 @@ def at_once(
         for number, side in enumerate(sides):
             root = stack.enter_context(places.root(programs[side].tree, number))
             jobs.append(stack.enter_context(job(side, programs[side].file, root)))
-        found = together(jobs)
-    return found
+        results = together(jobs)
+    return results
 
 
 def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
     """Makes the subject of a case. The time of its first block sets the number of repeats in all
     later blocks."""
-    asked = [case]
+    current = [case]
     shapes: dict[str, str] = {}
 
     def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
-        found = at_once(
+        measured = at_once(
             sides,
             programs,
             places,
-            lambda _, program, root: job_of_case(program, asked[0], folder, root),
+            lambda _, program, root: job_of_case(program, current[0], folder, root),
         )
-        shapes.update({side: block.shapes for side, block in zip(sides, found)})
-        if asked[0] is case:
+        shapes.update({side: block.shapes for side, block in zip(sides, measured)})
+        if current[0] is case:
             repeats = max(
                 int(case.experiment["repeats"]),
-                min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)),
+                min(MOST_REPEATS, round(SECONDS_OF_REPEATS / measured[0].cpu)),
             )
-            asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
-        return [{case.name: block.cpu} for block in found]
+            current[0] = Case(case.name, {**case.experiment, "repeats": repeats})
+        return [{case.name: block.cpu} for block in measured]
 
     return Subject(case.name, (case.name,), blocks, shapes, places.move)
 
@@ -202,15 +202,15 @@ class Question:
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
-            for which, found in zip(pair, self.subject.blocks(pair, names)):
+            for side, seconds in zip(pair, self.subject.blocks(pair, names)):
                 for name in names:
-                    if name not in found:
+                    if name not in seconds:
                         raise NotMeasured(f"{name}: not measured this time")
                     sides = self.sides[name]
-                    if which == self.slower:
-                        sides.candidate.append(self.factor * found[name])
+                    if side == self.slower:
+                        sides.candidate.append(self.factor * seconds[name])
                     else:
-                        sides.base.append(found[name])
+                        sides.base.append(seconds[name])
 
 
 def question(subject: Subject, names: Sequence[str]) -> Question:
@@ -227,8 +227,8 @@ def screen(questions: Sequence[Question], count: int) -> None:
     """Measures `count` blocks of each side; `count` is even."""
     progress = Progress(count // 2, "turns", "time")
     for number in range(count // 2):
-        for one in questions:
-            one.turn(number, one.names)
+        for question in questions:
+            question.turn(number, question.names)
         progress.done(number + 1)
 
 
@@ -237,42 +237,44 @@ def answer(questions: Sequence[Question], count: int, cases: int) -> None:
     alarms. `cases` sets the confidence."""
     progress = Progress(count // 2, "turns at most", "time")
     for number in range(count // 2):
-        asked = [
-            (one, names)
-            for one in questions
-            if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])
-        ]
-        if not asked:
+        undecided = []
+        for question in questions:
+            names = [
+                name for name in question.names if not decided(question.sides[name], count, cases)
+            ]
+            if names:
+                undecided.append((question, names))
+        if not undecided:
             progress.over()
             return
-        for one, names in asked:
-            one.turn(number, names)
+        for question, names in undecided:
+            question.turn(number, names)
         progress.done(number + 1)
 
 
 Run = dict[str, Sides]
 
 
-def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
+def judge_all(common: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
     """Judges all cases. Also returns the times: the first run, the self-test, the second run.
 
     Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of the
     self-test, in the case `wanted` if present. Cases that alarm are measured again. This second run
     is independent of the first, so its intervals need only the confidence for these few cases.
     """
-    first = [question(subject, subject.names) for subject in known.subjects]
+    first = [question(subject, subject.names) for subject in common.subjects]
     screen(first, min(SCREENING, count))
-    measured: Run = {name: sides for one in first for name, sides in one.sides.items()}
+    measured: Run = {name: sides for screened in first for name, sides in screened.sides.items()}
     cases = len(measured)
-    suspects = [
-        replace(one, names=names)
-        for one in first
-        if (names := tuple(name for name in one.names if suspected(one.sides[name])))
-    ]
+    suspects = []
+    for screened in first:
+        names = tuple(name for name in screened.names if suspected(screened.sides[name]))
+        if names:
+            suspects.append(replace(screened, names=names))
     say(
-        f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the self-test'])}"
+        f"more blocks of {', '.join([name for suspect in suspects for name in suspect.names] + ['the self-test'])}"
     )
-    chosen = known.for_self_test(wanted)
+    chosen = common.for_self_test(wanted)
     self_test = planted(chosen) if chosen else None
     answer([*suspects, *filter(None, [self_test])], count, cases)
     judged = [judge(name, sides, cases) for name, sides in measured.items()]
@@ -284,23 +286,24 @@ def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Jud
             for name, sides in self_test.sides.items()
         }
         judged = [
-            replace(one, planted=ratio[one.name]) if one.name in ratio else one for one in judged
+            replace(case, planted=ratio[case.name]) if case.name in ratio else case
+            for case in judged
         ]
-    doubted = {one.name for one in judged if one.alarms}
+    doubted = {case.name for case in judged if case.alarms}
     if not doubted:
         return judged, runs
     say(f"a second run of {', '.join(sorted(doubted))}")
-    again = [
-        question(one.subject, names)
-        for one in first
-        if (names := tuple(name for name in one.names if name in doubted))
-    ]
+    again = []
+    for screened in first:
+        names = tuple(name for name in screened.names if name in doubted)
+        if names:
+            again.append(question(screened.subject, names))
     answer(again, count, len(doubted))
-    second: Run = {name: sides for one in again for name, sides in one.sides.items()}
+    second: Run = {name: sides for repeated in again for name, sides in repeated.sides.items()}
     again_ratios = {
         name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()
     }
-    return [replace(one, second=again_ratios.get(one.name, NO_DATA)) for one in judged], [
+    return [replace(case, second=again_ratios.get(case.name, NO_DATA)) for case in judged], [
         *runs,
         second,
     ]

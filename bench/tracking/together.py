@@ -87,13 +87,13 @@ def together(jobs: Sequence[Job[T]]) -> list[T]:
     with ExitStack() as stack:
         running = [stack.enter_context(started(job)) for job in jobs]
         end = time.monotonic() + blocks.LIMIT
-        while left := [one for one in running if one.process.poll() is None]:
-            for job, one in zip(jobs, running, strict=True):
-                if one not in left:
-                    one.said(job.good)  # raises the reason if it failed
+        while left := [child for child in running if child.process.poll() is None]:
+            for job, child in zip(jobs, running, strict=True):
+                if child not in left:
+                    child.said(job.good)  # raises the reason if it failed
             if time.monotonic() > end:
                 raise NotMeasured(f"no end within {blocks.LIMIT:.0f} s")
             with suppress(subprocess.TimeoutExpired):
                 left[0].process.wait(0.2)
-        found = [job.read(one.said(job.good)) for job, one in zip(jobs, running, strict=True)]
-    return found
+        results = [job.read(child.said(job.good)) for job, child in zip(jobs, running, strict=True)]
+    return results

@@ -69,8 +69,8 @@ class Task:
 
     @property
     def kernel_program(self) -> Path | None:
-        found = self.given.program.parent / "kernel_bench"
-        return found if found.is_file() else None
+        program = self.given.program.parent / "kernel_bench"
+        return program if program.is_file() else None
 
     @property
     def kernels(self) -> bool:
@@ -84,46 +84,46 @@ def ratio_text(ratio: Estimate) -> str:
 
 def table(judged: Sequence[Judged]) -> list[str]:
     """Returns a line for each case."""
-    width = max(len(one.name) for one in judged)
+    width = max(len(case.name) for case in judged)
     lines = [
         "shows: the smallest slowdown that would be an alarm after that many blocks",
         f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows",
     ]
-    for one in judged:
+    for case in judged:
         word = (
             "red"
-            if one.red
+            if case.red
             else "an alarm that was not repeated"
-            if one.alarms
+            if case.alarms
             else "faster"
-            if one.ratio.high < 1 - LEAST
+            if case.ratio.high < 1 - LEAST
             else ""
         )
         lines.append(
-            f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {one.ratio.n:>6}  {ratio_text(one.ratio):>22}  "
-            f"{100 * one.sees:.1f} %  {word}".rstrip()
+            f"{case.name:{width}}  {number(1e3 * case.base_seconds):>9}  {case.ratio.n:>6}  {ratio_text(case.ratio):>22}  "
+            f"{100 * case.sees:.1f} %  {word}".rstrip()
         )
-        if one.planted.n:
+        if case.planted.n:
             lines.append(
-                f"{'  the base beside itself':{width}}  {'':>9}  {one.itself.n:>6}  {ratio_text(one.itself):>22}"
+                f"{'  the base beside itself':{width}}  {'':>9}  {case.itself.n:>6}  {ratio_text(case.itself):>22}"
             )
             lines.append(
-                f"{'  with 5 % planted':{width}}  {'':>9}  {one.planted.n:>6}  {ratio_text(one.planted):>22}"
+                f"{'  with 5 % planted':{width}}  {'':>9}  {case.planted.n:>6}  {ratio_text(case.planted):>22}"
             )
-        if one.second.n:
+        if case.second.n:
             lines.append(
-                f"{'  in a second run':{width}}  {'':>9}  {one.second.n:>6}  {ratio_text(one.second):>22}"
+                f"{'  in a second run':{width}}  {'':>9}  {case.second.n:>6}  {ratio_text(case.second):>22}"
             )
     return lines
 
 
 def counters_tier(report: Report, task: Task) -> counted.Found:
     baseline = counted.read_baseline(task.given.baseline)
-    found = counted.count_work(
+    outcome = counted.count_work(
         task.cases, task.given.program, baseline.get("counters", {}), task.folder
     )
-    report.add("counters", found.verdict, found.lines)
-    return found
+    report.add("counters", outcome.verdict, outcome.lines)
+    return outcome
 
 
 def instructions_tier(report: Report, task: Task) -> counted.Found:
@@ -136,7 +136,7 @@ def instructions_tier(report: Report, task: Task) -> counted.Found:
         task.folder,
     )
     shapes = {name: table["shapes"] for name, table in baseline.get("counters", {}).items()}
-    found = counted.count_instructions(
+    outcome = counted.count_instructions(
         jobs, baseline.get("instructions", {}), shapes, task.given.update is not None
     )
     missing = [
@@ -144,10 +144,10 @@ def instructions_tier(report: Report, task: Task) -> counted.Found:
     ]
     report.add(
         "instructions",
-        found.verdict,
-        found.lines + (missing if task.kernels and task.kernel_program is None else []),
+        outcome.verdict,
+        outcome.lines + (missing if task.kernels and task.kernel_program is None else []),
     )
-    return found
+    return outcome
 
 
 def base_of(task: Task) -> Build:
@@ -164,18 +164,18 @@ def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> 
     programs, kernel_programs = timed.programs_of(base, candidate), timed.kernels_of(
         base, candidate
     )
-    known = timed.Known()
+    common = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, programs, task.folder, places))
+        common.add(timed.of_case(case, programs, task.folder, places))
     if task.kernels and kernel_programs:
-        known.add(
+        common.add(
             timed.of_kernels(
                 [kernel.name for kernel in KERNELS], kernel_programs, task.folder, places
             )
         )
     elif task.kernels:
-        known.left_out.append("kernels: left out, because one of the builds has no kernel_bench")
-    return known
+        common.left_out.append("kernels: left out, because one of the builds has no kernel_bench")
+    return common
 
 
 def time_tier(report: Report, task: Task) -> None:
@@ -183,16 +183,16 @@ def time_tier(report: Report, task: Task) -> None:
     report.record |= {"base": base.commit, "candidate": candidate.commit}
     VERSIONS.mkdir(parents=True, exist_ok=True)  # /tmp may forbid running programs
     with tempfile.TemporaryDirectory(prefix="track-", dir=VERSIONS) as folder, one_core():
-        known = known_to_both(task, base, candidate, Places(Path(folder)))
-        notes = known.left_out + known.broken
+        common = known_to_both(task, base, candidate, Places(Path(folder)))
+        notes = common.left_out + common.broken
         try:
             judged, runs = timed.judge_all(
-                known, SELF_TEST, task.given.blocks, lambda line: progress.say("time", line)
+                common, SELF_TEST, task.given.blocks, lambda line: progress.say("time", line)
             )
         except NotMeasured as why:  # although both sides could measure the case before
             report.add(
                 "time",
-                Verdict.red if known.broken else Verdict.inconclusive,
+                Verdict.red if common.broken else Verdict.inconclusive,
                 [*notes, f"a block failed: {why}"],
             )
             return
@@ -200,9 +200,12 @@ def time_tier(report: Report, task: Task) -> None:
     many = f"{SCREENING} blocks per side, and up to {task.given.blocks} of cases that looked slower and of the self-test"
     lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add(
-        "time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else [])
+        "time", Verdict.red if common.broken else verdict, lines + (table(judged) if judged else [])
     )
-    report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
+    recorded = []
+    for run in runs:
+        recorded.append({name: asdict(sides) for name, sides in run.items()})
+    report.record["runs"] = recorded
 
 
 def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
@@ -215,11 +218,10 @@ def update(task: Task, counters: counted.Found, instructions: counted.Found) -> 
         )
     if not counters.measured and len(instructions.measured) < 2 and not small_scenes:
         raise counted.Missing("nothing was measured: the baseline is unchanged")
-    names = (
-        None
-        if task.given.case
-        else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
-    )
+    names: set[str] | None = None
+    if not task.given.case:
+        names = {case.name for case in task.cases}
+        names.update(kernel.name for kernel in KERNELS)
     baseline = counted.read_baseline(task.given.baseline)
     counted.write_baseline(
         task.given.baseline,
@@ -334,7 +336,7 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def task_of(given: argparse.Namespace, folder: Path) -> Task:
     """Makes the task. Raises ValueError if something requested does not exist."""
-    found = chosen(given.case, cases())
+    selected = chosen(given.case, cases())
     given.program = given.program.resolve()
     programs: list[Path | None] = [given.program, given.base_program]
     for program in programs:
@@ -345,7 +347,7 @@ def task_of(given: argparse.Namespace, folder: Path) -> Task:
             commit_of(given.base)
         except NotBuilt as why:
             raise ValueError(f"--base {given.base}: there is no such commit here ({why})") from None
-    return Task(given, found, folder)
+    return Task(given, selected, folder)
 
 
 def main(words: Sequence[str]) -> int:

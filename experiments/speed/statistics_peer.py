@@ -105,10 +105,10 @@ def run(folder: Path, *command: str) -> tuple[str, float]:
 
 
 def number(text: str, pattern: str) -> float:
-    found = re.findall(pattern, text)
-    if not found:
+    matches = re.findall(pattern, text)
+    if not matches:
         raise SystemExit(f"no number like '{pattern}' in: {text[-300:]}")
-    return float(found[-1])
+    return float(matches[-1])
 
 
 def meshlab(folder: Path, _: Mesh, samples: int) -> Answer:

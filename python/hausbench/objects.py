@@ -193,10 +193,10 @@ def _vtk_array(array: Any) -> npt.NDArray[Any]:
 
 
 def _of_lines(thing: Any) -> Shape:
-    for other in ("faces", "triangles", "cells"):
-        if hasattr(thing, other):
+    for attribute in ("faces", "triangles", "cells"):
+        if hasattr(thing, attribute):
             raise InputError(
-                f"this {type(thing).__name__} may hold lines beside its .{other}: give (vertices, faces), with a line "
+                f"this {type(thing).__name__} may hold lines beside its .{attribute}: give (vertices, faces), with a line "
                 "segment as a face (a, b, b)"
             )
     if not len(thing.lines):
@@ -274,13 +274,8 @@ def _of_cells(mesh: Any) -> Shape:
             "triangles, and take the surface of volumes; for its triangles alone give "
             "(mesh.points, mesh.cells_dict['triangle'])"
         )
-    tables = {
-        kind: np.concatenate(
-            [
-                _none(corners),
-                *(_table(data, kind, corners) for name, data in blocks if name == kind),
-            ]
-        )
-        for kind, corners in CORNERS.items()
-    }
+    tables = {}
+    for kind, corners in CORNERS.items():
+        tables_of_kind = [_table(data, kind, corners) for name, data in blocks if name == kind]
+        tables[kind] = np.concatenate([_none(corners), *tables_of_kind])
     return _joined(mesh.points, tables["triangle"], tables["line"], tables["vertex"])

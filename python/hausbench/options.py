@@ -58,7 +58,8 @@ def _in_file(path: str | os.PathLike[str], name: str) -> list[list[float]]:
         raise InputError(
             f"{place}: has {len(words)} numbers: give the 16 numbers of a 4 x 4 matrix, row by row"
         )
-    return [[float(word) for word in words[i : i + 4]] for i in range(0, 16, 4)]
+    numbers = [float(word) for word in words]
+    return [numbers[i : i + 4] for i in range(0, 16, 4)]
 
 
 def query_of(
@@ -115,7 +116,7 @@ def progress_of(
         )
 
     def passed_on(bounds: list[tuple[float, float]]) -> object:
-        intervals = [Interval(*one) for one in bounds]
+        intervals = [Interval(*ends) for ends in bounds]
         return show(intervals[0] if names is None else dict(zip(names, intervals)))
 
     return passed_on

@@ -78,9 +78,9 @@ class Distribution:
         names = list(dict.fromkeys(wanted))
         if not names:
             return
-        asked = [name + self._over for name in names]
+        full_names = [name + self._over for name in names]
         bounds, answer = self._pair.distribution(
-            asked, self._query, progress_of(self._progress, names)
+            full_names, self._query, progress_of(self._progress, names)
         )
         self._status = STATUSES[answer[0]]
         self._known.update(

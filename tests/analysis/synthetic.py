@@ -269,10 +269,9 @@ class ResultFile:
             }
             for i, x in enumerate(seconds)
         ]
-        of_round = [
-            [x for i, x in enumerate(seconds) if i * rounds // len(seconds) == number]
-            for number in range(rounds)
-        ]
+        of_round: list[list[float]] = [[] for _ in range(rounds)]
+        for i, x in enumerate(seconds):
+            of_round[i * rounds // len(seconds)].append(x)
         first = first or [float(np.median(repeats)) for repeats in of_round if repeats]
         self.answers += [
             {
@@ -291,7 +290,7 @@ class ResultFile:
                     {"case": row, "round": number, "name": "solver", "seconds": spent, "bytes": 64}
                 )
         for model in (new["source"], new["target"]):
-            if model not in (known["name"] for known in self.models):
+            if model not in (entry["name"] for entry in self.models):
                 self.models.append(
                     {**MODEL, "name": model, "sha256": hashlib.sha256(model.encode()).hexdigest()}
                 )

@@ -76,7 +76,7 @@ class Sweeps:
             for tolerance in tolerances:
                 for of, labels in KINDS.items():
                     for label in labels:
-                        own = common | {
+                        case = common | {
                             "label": label,
                             "tolerance": tolerance,
                             "upper": 0.5 + tolerance / 2,
@@ -84,13 +84,13 @@ class Sweeps:
                         }
                         if of != kind:
                             refused = without_bounds(
-                                "skipped", f"solver '{label}' {TAKES_NO[kind]}", own
+                                "skipped", f"solver '{label}' {TAKES_NO[kind]}", case
                             )
-                            own |= refused | {"solver_status": "", "certified": -1}
+                            case |= refused | {"solver_status": "", "certified": -1}
                         else:
                             changes = (ends or {}).get(label, [])
-                            own |= changes[min(k, len(changes) - 1)] if changes else {}
-                        self._add(label, own)
+                            case |= changes[min(k, len(changes) - 1)] if changes else {}
+                        self._add(label, case)
             for side in "AB":
                 model = next((m for m in self.file.models if m["name"] == f"{scene}/{side}"), None)
                 if model is None:
@@ -246,11 +246,10 @@ def large() -> Sweeps:
     for kind, count in (("points", 13), ("mesh", 19), ("surface", 8)):
         for i in range(count):
             steps = int(rng.integers(1, 11))
-            severities = (
-                [10.0 ** (k + 1) for k in range(steps)]
-                if i % 3
-                else [10.0 ** -(2 * k + 1) for k in range(steps)]
-            )
+            if i % 3:
+                severities = [10.0 ** (k + 1) for k in range(steps)]
+            else:
+                severities = [10.0 ** -(2 * k + 1) for k in range(steps)]
             ends = {}
             for label in KINDS[kind]:
                 at = int(rng.integers(0, 2 * steps + 1))

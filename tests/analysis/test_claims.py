@@ -102,19 +102,25 @@ def test_verdicts_stand_beside_the_table(tmp_path: Path) -> None:
     file = synthetic_zhang.fig10()
     file.write(tmp_path)
     assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
-    found = claims.read(tmp_path / "tables" / f"{file.stem}.verdicts.json")
+    records = claims.read(tmp_path / "tables" / f"{file.stem}.verdicts.json")
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
-    assert len(found) == text.count("- Claim: ") > 3
-    for one in found:
+    assert len(records) == text.count("- Claim: ") > 3
+    for record in records:
         assert (
-            f"- Claim: {one['place']}: {one['claim']}. Here" in text
-            and f"{one['outcome']} ({one['evidence']})" in text
+            f"- Claim: {record['place']}: {record['claim']}. Here" in text
+            and f"{record['outcome']} ({record['evidence']})" in text
         )
         assert (
-            one["paper"] == "zhang2017" and one["stem"] == file.stem and one["profile"] == "quick"
+            record["paper"] == "zhang2017"
+            and record["stem"] == file.stem
+            and record["profile"] == "quick"
         )
-        assert one["quote"] and one["section"] in ("1", "3.3", "5", "6.4") and one["judged_as"]
-    assert any(one["counted"] for one in found)
+        assert (
+            record["quote"]
+            and record["section"] in ("1", "3.3", "5", "6.4")
+            and record["judged_as"]
+        )
+    assert any(record["counted"] for record in records)
 
 
 def test_a_damaged_file_of_verdicts_is_refused(tmp_path: Path) -> None:

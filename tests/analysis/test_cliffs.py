@@ -185,17 +185,16 @@ def test_experiment_has_every_family_at_every_ratio() -> None:
         if key.endswith("_away"):
             assert scenes[key]["motion"]["file"] == "cliffs_away.txt"
         elif FAMILIES[key].axis == TOLERANCE:
-            asked = {
+            tolerances = {
                 tolerance
                 for solver in experiment["solver"]
                 if key in solver.get("scenes", [])
                 for tolerance in solver.get("tolerances", [])
             }
-            assert key in scenes and max(asked) > 1e6 * min(asked)
+            assert key in scenes and max(tolerances) > 1e6 * min(tolerances)
         elif not key.startswith("surface"):
-            assert {name for name in scenes if name.startswith(key + "_")} == {
-                f"{key}_{ratio}" for ratio in ratios
-            }
+            expected = {f"{key}_{ratio}" for ratio in ratios}
+            assert {name for name in scenes if name.startswith(key + "_")} == expected
             for ratio in ratios:
                 names = [scenes[f"{key}_{ratio}"][side] for side in ("source", "target")]
                 moved = [models[name] for name in names if name.endswith(ratio)]

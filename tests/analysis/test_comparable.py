@@ -80,8 +80,8 @@ def slower(file: ResultFile) -> ResultFile:
         (file.repeats, ("wall_seconds", "cpu_seconds")),
         (file.preparation, ("seconds",)),
     ):
-        for one in group:
-            one |= {name: one[name] * factor(one["case"]) for name in names}
+        for entry in group:
+            entry |= {name: entry[name] * factor(entry["case"]) for name in names}
     for row, case in enumerate(file.cases):
         case |= {
             name: case[name] * factor(row)
@@ -131,15 +131,15 @@ def test_verdicts_change_with_times_where_times_compare(tmp_path: Path) -> None:
 def test_no_verdict_on_times_of_rows_run_beside_others(
     stem: str, tmp_path: Path, tetrahedra: None
 ) -> None:
-    found = [
+    texts = [
         report_of(with_columns(file, side_by_side=1), tmp_path)[1]
         for file in (FILES[stem](), slower(FILES[stem]()))
     ]
-    assert outcomes(found[0]) == outcomes(found[1])
-    assert "their times are not comparable" in found[0]
+    assert outcomes(texts[0]) == outcomes(texts[1])
+    assert "their times are not comparable" in texts[0]
     if stem in JUDGED_BY_TIME:
         assert "run beside others" in "\n".join(
-            line for line in found[0].splitlines() if line.startswith("- Claim")
+            line for line in texts[0].splitlines() if line.startswith("- Claim")
         )
 
 
@@ -212,15 +212,15 @@ def test_pareto_is_open_where_times_do_not_compare(tmp_path: Path) -> None:
         file.case(
             solver, "x", [1.0] * 6, lower=1.0, upper=1.25, tolerance=1e-3, side_by_side=beside
         )
-    found = pareto.cells(load(file.write(tmp_path)), "cover")
+    cells = pareto.cells(load(file.write(tmp_path)), "cover")
     assert (
-        "not separated (0 of 1 cells" in pareto.judge(found, "cover").line()
-        and "times run beside others" in found[0].line()
+        "not separated (0 of 1 cells" in pareto.judge(cells, "cover").line()
+        and "times run beside others" in cells[0].line()
     )
 
 
 @pytest.mark.parametrize(
-    ("column", "other", "why"),
+    ("column", "value", "why"),
     [
         ("side_by_side", 1, "run beside others"),
         ("machine", "m2", "of different machines"),
@@ -228,7 +228,7 @@ def test_pareto_is_open_where_times_do_not_compare(tmp_path: Path) -> None:
     ],
 )
 def test_no_winner_among_times_that_do_not_compare(
-    column: str, other: object, why: str, tmp_path: Path
+    column: str, value: object, why: str, tmp_path: Path
 ) -> None:
     """Different clocks do not prevent a winner, because external programs have their own clock."""
 
@@ -237,9 +237,11 @@ def test_no_winner_among_times_that_do_not_compare(
         for solver, middle, clock in (("scan", 1.0, "cpu"), ("kdtree", 2.0, "wall")):
             file.case(solver, "x", spread(middle, 6), lower=1.0, upper=1.0, clock=clock)
         if changed:
-            file.cases[-1][column] = other
+            file.cases[-1][column] = value
         results = load(file.write(tmp_path))
-        return winners.race([winners.Time(**one) for one in winners.times(points_speed.make(results).records, results)])  # type: ignore[arg-type]
+        records = winners.times(points_speed.make(results).records, results)
+        times = [winners.Time(**record) for record in records]  # type: ignore[arg-type]
+        return winners.race(times)
 
     assert raced(False).won and not raced(True).won and list(raced(True).doubts) == [f"times {why}"]
 

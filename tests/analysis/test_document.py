@@ -33,24 +33,22 @@ LATEX = pytest.mark.skipif(shutil.which("pdflatex") is None, reason=document.WIT
 def table_of(
     columns: int, rows: int, cell: str = "12.3 [11.2, 13.4]", notes: int = 0
 ) -> tables.Table:
-    return tables.Table(
-        "A caption.",
-        ["solver", *[f"column {i}" for i in range(1, columns)]],
-        [["cover (ours)", *[cell] * (columns - 1)] for _ in range(rows)],
-        [f"Note {i} has eight words in it, always." for i in range(notes)],
-        [Verdict("a is faster", HOLDS, "ratio 2")],
-    )
+    header = ["solver", *[f"column {i}" for i in range(1, columns)]]
+    body = [["cover (ours)", *[cell] * (columns - 1)] for _ in range(rows)]
+    lines = [f"Note {i} has eight words in it, always." for i in range(notes)]
+    verdicts = [Verdict("a is faster", HOLDS, "ratio 2")]
+    return tables.Table("A caption.", header, body, lines, verdicts)
 
 
 def words_below(text: str) -> int:
     """Counts the words of the notes in floats, and of those directly below tables that span
     pages."""
-    found = re.search(
+    match = re.search(
         r"\\parbox\{\\linewidth\}\{\\footnotesize (.*)\}$|^\\noindent\{\\footnotesize (.*)\\par\}$",
         text,
         re.MULTILINE,
     )
-    return len((found[1] or found[2]).split()) if found else 0
+    return len((match[1] or match[2]).split()) if match else 0
 
 
 def test_notes_and_claims_leave_the_float() -> None:
@@ -198,11 +196,11 @@ def test_a_figure_has_a_caption_with_or_without_a_table(tmp_path: Path) -> None:
         (tmp_path / "figures" / f"{stem}.pdf").write_bytes(b"")
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables" / "zhang2017_fig8.md").write_text("**OHD by depth.**\n\n| x |\n")
-    own = document.document("hausbench", tmp_path, tmp_path / "tables")
+    text = document.document("hausbench", tmp_path, tmp_path / "tables")
     assert (
-        r"\includegraphics{../figures/overview.pdf}" in own
-        and r"\caption{overview}" not in own
-        and r"\caption{Measured / claimed" in own
+        r"\includegraphics{../figures/overview.pdf}" in text
+        and r"\caption{overview}" not in text
+        and r"\caption{Measured / claimed" in text
     )
     assert r"\caption{OHD by depth.}" in document.document(
         "zhang2017", tmp_path, tmp_path / "tables"

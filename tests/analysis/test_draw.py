@@ -376,8 +376,8 @@ def test_figures_are_as_wide_as_asked(
 ) -> None:
     file = sweep(poses=3, scenes=("x", "y", "z", "u", "v"), lower_check=check)
     assert run(file, tmp_path, "--width", width, "--format", "svg,png") == 0
-    found = sorted(path.name for path in (tmp_path / "figures").iterdir())
-    assert found == [
+    names = sorted(path.name for path in (tmp_path / "figures").iterdir())
+    assert names == [
         f"own_{kind}.{suffix}"
         for kind in ("error_against_time", "motion", "performance_profile")
         for suffix in ("png", "svg")
@@ -439,11 +439,9 @@ def test_variants_and_solvers_in_grey_can_be_told_apart(tmp_path: Path) -> None:
         )
     assert run(file, tmp_path, "--as", "table") == 0
     looks = [style.look("mine", label) for label in variants]
-    assert (
-        len({(look.line, look.marker) for look in looks})
-        == len({(look.line, look.colour) for look in looks})
-        == len(variants)
-    )
+    markers = {(look.line, look.marker) for look in looks}
+    colours = {(look.line, look.colour) for look in looks}
+    assert len(markers) == len(colours) == len(variants)
     style.highlight("guthe")
     greys = [style.look("mine", label) for label in variants]
     assert len({(look.line, look.colour) for look in greys}) == len(variants)
@@ -471,8 +469,8 @@ def test_solvers_without_a_chosen_look_have_titles_and_colours_of_their_own(tmp_
     file.case("external", "x", spread(0.1, 6), label="cloudcompare")
     assert run(file, tmp_path, "--as", "table", "--highlight", "mine") == 0
     mine, again = style.look("mine", "mine"), style.look("tang_again", "tang_again")
-    metro, other = style.look("external", "metro"), style.look("external", "cloudcompare")
-    assert (mine.title, again.title, metro.title, other.title) == (
+    metro, cloudcompare = style.look("external", "metro"), style.look("external", "cloudcompare")
+    assert (mine.title, again.title, metro.title, cloudcompare.title) == (
         "My solver",
         "Tang again",
         "metro",
@@ -482,7 +480,7 @@ def test_solvers_without_a_chosen_look_have_titles_and_colours_of_their_own(tmp_
     greys = {"#A0A0A0", "#C4C4C4", "#808080"}
     assert {
         metro.colour,
-        other.colour,
+        cloudcompare.colour,
         style.look("guthe", "guthe").colour,
     } <= greys and mine.colour not in greys
     style.highlight("")
@@ -530,8 +528,7 @@ def test_an_old_figure_is_deleted_if_there_is_none_now(tmp_path: Path) -> None:
     results, table = load(file.write(tmp_path)), tables.Table("A caption.", ["x"], [["1"]])
     paths = report.Report(lambda: plt.figure(), table, caption="A picture.").save(results, tmp_path)
     figures = [path for path in paths if path.parent.name == "figures"]
-    assert {path.suffix for path in figures} == {".pdf", ".png", ".txt"} and all(
-        path.exists() for path in figures
-    )
+    assert {path.suffix for path in figures} == {".pdf", ".png", ".txt"}
+    assert all(path.exists() for path in figures)
     report.Report(None, table).save(results, tmp_path)
     assert not any(path.exists() for path in figures)

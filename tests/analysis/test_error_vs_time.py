@@ -143,11 +143,11 @@ def test_seeds_are_one_series_and_resolutions_one_line(tmp_path: Path) -> None:
 
 
 def test_a_band_begins_where_all_seeds_have_a_value() -> None:
-    one, other = (np.array([1.0, 3.0]), np.array([0.5, 0.25])), (
+    first, second = (np.array([1.0, 3.0]), np.array([0.5, 0.25])), (
         np.array([2.0, 4.0]),
         np.array([1.0, 0.0]),
     )
-    seconds, least, middle, most = error_curves.band([one, other])
+    seconds, least, middle, most = error_curves.band([first, second])
     assert seconds.tolist() == [2.0, 3.0, 4.0]
     assert (
         least.tolist() == [0.5, 0.25, 0.0]
@@ -170,8 +170,8 @@ def test_errors_are_against_the_middle_of_the_reference(tmp_path: Path) -> None:
         source_diagonal=2.0,
     )
     results = read(file, tmp_path)
-    found = error_curves.errors_of(results, 0)
-    assert (found.lower[0], found.middle[0], found.upper[0]) == (0.1875, 0.0625, 0.3125)
+    errors = error_curves.errors_of(results, 0)
+    assert (errors.lower[0], errors.middle[0], errors.upper[0]) == (0.1875, 0.0625, 0.3125)
     assert error_curves.reference_width(results, 0) == 0.0625
     assert error_vs_time.error_cells(results, 0) == ["≤ 0.07", "0.19"]
 
@@ -351,11 +351,10 @@ def test_figure_has_a_row_for_each_kind_of_shapes(tmp_path: Path) -> None:
         looks = [(line.get_color(), line.get_marker()) for line in legend.get_lines()]
         assert len(set(looks)) == len(looks) == count
     assert [text.get_text() for text in figure.texts[:3]] == ["Meshes", "Point sets", "Surfaces"]
-    lost = {
-        ax.get_title(): sorted(text.get_text() for text in ax.texts)
-        for ax in figure.axes
-        if ax.get_title() and ax.texts
-    }
+    lost = {}
+    for ax in figure.axes:
+        if ax.get_title() and ax.texts:
+            lost[ax.get_title()] = sorted(text.get_text() for text in ax.texts)
     assert lost == {"hard: mesh": ["T1"], "hard: points": ["T"]}
     assert {ax.get_xlabel() for ax in figure.axes} == {"", "prepare + solve (s)"}
     plt.close(figure)
@@ -366,9 +365,8 @@ def test_many_scenes_of_one_kind_share_a_legend(tmp_path: Path) -> None:
     for k in range(4):
         file.case("cover" if k else "kang", f"scene {k}", [1.0], lower=0.5, upper=0.5)
     figure = drawn(read(file, tmp_path))
-    assert [[text.get_text() for text in legend.get_texts()] for legend in figure.legends] == [
-        ["Kang 2018", "cover (ours)"]
-    ]
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["Kang 2018", "cover (ours)"]
     plt.close(figure)
 
 
@@ -380,10 +378,10 @@ def test_figure_draws_the_error_of_the_lower_bound_while_there_is_no_upper_one(
     above = next(ax for ax in figure.axes if ax.get_title() == "easy: points")
     below = figure.axes[figure.axes.index(above) - 1]
     colour = style.look("earlybreak").colour
-    steps = {
-        ax: [line for line in ax.lines if line.get_color() == colour and len(line.get_xdata()) > 2]
-        for ax in (above, below)
-    }
+    steps = {}
+    for ax in (above, below):
+        lines = [line for line in ax.lines if line.get_color() == colour]
+        steps[ax] = [line for line in lines if len(line.get_xdata()) > 2]
     assert not steps[above] and len(steps[below]) == 1  # without an upper bound there is no gap
     assert steps[below][0].get_ydata()[:5] == pytest.approx([0.25 * 10.0**-j for j in range(5)])
     plt.close(figure)
@@ -469,25 +467,26 @@ def test_notes_are_short(make: Make) -> None:
 @pytest.mark.parametrize("profile", ["quick", "paper"])
 def test_experiment_has_nine_scenes_and_every_solver(profile: str) -> None:
     experiment = tomllib.loads(EXPERIMENT.read_text(encoding="utf-8"))
-    asked = {
-        kind: [table for table in experiment[kind] if profile in table.get("profiles", [profile])]
-        for kind in ("scene", "solver")
-    }
-    names = [scene["name"] for scene in asked["scene"]]
+
+    def of_profile(kind: str) -> list[dict[str, Any]]:
+        return [table for table in experiment[kind] if profile in table.get("profiles", [profile])]
+
+    scenes, solvers = of_profile("scene"), of_profile("solver")
+    names = [scene["name"] for scene in scenes]
     assert [name.partition(":")[0] for name in names] == ["easy", "typical", "hard"] * 3 and len(
         set(names)
     ) == 9
     assert all(
         set(solver["scenes"]) in (set(names[:3]), set(names[3:6]), set(names[6:]))
-        for solver in asked["solver"]
+        for solver in solvers
     )
-    assert {solver["name"] for solver in asked["solver"]} == set(style.LOOKS) - {"external"}
+    assert {solver["name"] for solver in solvers} == set(style.LOOKS) - {"external"}
     assert (experiment | experiment["profile"].get(profile, {}))["rounds"] >= (
         6 if profile == "paper" else 2
     ) and experiment["trace"]
     # Solvers with a resolution are drawn as one line, at a tolerance that all resolutions reach, so
     # that all rounds are timed.
-    assert {solver["name"] for solver in asked["solver"] if "tolerances" in solver} == set(
+    assert {solver["name"] for solver in solvers if "tolerances" in solver} == set(
         error_curves.RESOLUTION
     )
 

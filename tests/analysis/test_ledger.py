@@ -25,11 +25,11 @@ def result(stem: str, solve: float = 2.0, upper: float = 1.0) -> ResultFile:
     return file
 
 
-def entry(kind: str, what: str, reason: str, seconds: float) -> dict[str, object]:
+def entry(kind: str, left_out: str, reason: str, seconds: float) -> dict[str, object]:
     return {
         "kind": kind,
         "subject": "guthe on x",
-        "what": what,
+        "what": left_out,
         "reason": reason,
         "count": 1,
         "seconds_saved": seconds,
@@ -83,9 +83,9 @@ def test_a_run_that_left_nothing_out_is_its_proof(tmp_path: Path, upper: float, 
     whole = result("a", upper=upper)
     whole.write(tmp_path / "there")
     (tmp_path / "there" / "a.h5").rename(tmp_path / "a.everything.h5")
-    (found,) = ledger.stems_in(tmp_path)
-    assert found.proof == f"{same} of 1 answers are the same with nothing left out"
-    assert any(found.proof in note for note in ledger.table([found]).notes)
+    (stem,) = ledger.stems_in(tmp_path)
+    assert stem.proof == f"{same} of 1 answers are the same with nothing left out"
+    assert any(stem.proof in note for note in ledger.table([stem]).notes)
 
 
 def test_a_saving_that_was_not_measured_is_not_a_saving_of_0(tmp_path: Path) -> None:

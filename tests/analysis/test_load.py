@@ -41,8 +41,8 @@ def test_columns_follow_from_the_program() -> None:
         "fields": synthetic.FIELD,
         "ledger": synthetic.LEDGER,
     }
-    for group, known in groups.items():
-        names = {column["name"] for column in known}
+    for group, columns in groups.items():
+        names = {column["name"] for column in columns}
         assert {
             "counter_*" if name.startswith("counter_") else name for name in written[group]
         } == names, group
@@ -53,9 +53,8 @@ def test_titles_follow_from_the_program() -> None:
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     titles = {solver["name"]: solver["title"] for solver in schema.listed("--json")["solvers"]}
-    assert {name: title for name, title in titles.items() if name in style.LOOKS} == {
-        name: look.title for name, look in style.LOOKS.items() if name in titles
-    }
+    drawn = {name: look.title for name, look in style.LOOKS.items() if name in titles}
+    assert {name: title for name, title in titles.items() if name in style.LOOKS} == drawn
 
 
 @pytest.fixture()
@@ -574,14 +573,14 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
 
 def every_dataset(path: Path) -> dict[str, int]:
     """Returns the file offset of each dataset that is stored contiguously, by name."""
-    found: dict[str, int] = {}
+    offsets: dict[str, int] = {}
     with h5py.File(path, "r") as file:
         file.visititems(
-            lambda name, item: found.update({name: item.id.get_offset()})
+            lambda name, item: offsets.update({name: item.id.get_offset()})
             if isinstance(item, h5py.Dataset) and item.id.get_offset() is not None
             else None
         )
-    return found
+    return offsets
 
 
 def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:

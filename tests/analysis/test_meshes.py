@@ -184,8 +184,8 @@ def test_peers_means_over_the_same_pairs(make: Make) -> None:
     assert not any(name.startswith("over the") for name in make(file)[1])
     file.cases[0] |= {"status": "timeout"}
     rows = make(file)[1]
-    own, shared = rows["geometric mean"][0], rows["over the 2 pairs that all answered"][0]
-    assert shared[4] == own[4] and shared[3] != own[3]
+    mean, shared = rows["geometric mean"][0], rows["over the 2 pairs that all answered"][0]
+    assert shared[4] == mean[4] and shared[3] != mean[3]
 
 
 @pytest.mark.parametrize("of", ["zheng", "cgal"])

@@ -43,9 +43,9 @@ def test_walk_knows_the_stems_that_share_a_script() -> None:
         if line.startswith("has_script()")
     )
     stems = sorted(file.stem for file in EXPERIMENTS.rglob("*.toml"))
-    asked = "\n".join([line, *[f"has_script {stem} && echo {stem}" for stem in stems], "true"])
+    commands = "\n".join([line, *[f"has_script {stem} && echo {stem}" for stem in stems], "true"])
     printed = subprocess.run(
-        ["bash", "-c", asked],
+        ["bash", "-c", commands],
         cwd=ANALYSIS.parent,
         capture_output=True,
         encoding="utf-8",

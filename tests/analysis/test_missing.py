@@ -49,7 +49,7 @@ def take_away(file: ResultFile, *scenes: str) -> int:
             "solve_seconds": NAN,
         }
     for name in ("answers", "repeats", "preparation", "fields"):
-        setattr(file, name, [one for one in getattr(file, name) if one["case"] not in gone])
+        setattr(file, name, [row for row in getattr(file, name) if row["case"] not in gone])
     file.models = [model for model in file.models if model["name"] not in lost]
     return len(gone)
 
@@ -116,7 +116,7 @@ def test_a_claim_is_judged_on_the_whole_set_or_not_at_all(tmp_path: Path) -> Non
     results = load(file.write(tmp_path))
     for now in (results, missing.without(results)):
         judged = missing.judged(verdicts, now)
-        assert [one.outcome for one in judged] == [
+        assert [verdict.outcome for verdict in judged] == [
             UNTESTED,
             UNTESTED,
             HOLDS,

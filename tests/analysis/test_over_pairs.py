@@ -86,13 +86,13 @@ def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
 @pytest.mark.parametrize("mean", [arithmetic_mean, geometric_mean])
 def test_mean_at_least_errs_as_seldom_as_it_promises(mean: Any) -> None:
     """5 % of 1,500 verdicts may be errors; more than 101 are then improbable (0.1 %)."""
-    found = {
+    counts = {
         (pairs, deviation): errors(mean, pairs, deviation)
         for pairs in (5, 10, 30)
         for deviation in (0.8, 1.5)
     }
-    assert sum(found.values()) <= 101, found
-    assert max(found.values()) <= 25, found  # of 250 trials
+    assert sum(counts.values()) <= 101, counts
+    assert max(counts.values()) <= 25, counts  # of 250 trials
 
 
 @pytest.mark.parametrize(
@@ -135,25 +135,23 @@ def test_share_near(count: int, of: int, outcome: str) -> None:
     ],
 )
 def test_wins_more(ahead: list[str], behind: list[str], outcome: str) -> None:
-    verdict = wins_more(
-        "x",
-        {f"a{i}": wins(x) for i, x in enumerate(ahead)},
-        {f"b{i}": wins(x) for i, x in enumerate(behind)},
-    )
+    wins_ahead = {f"a{i}": wins(x) for i, x in enumerate(ahead)}
+    wins_behind = {f"b{i}": wins(x) for i, x in enumerate(behind)}
+    verdict = wins_more("x", wins_ahead, wins_behind)
     if ahead == [".....", "....."]:  # 2/32 is above 5 %
         outcome = OPEN
     assert verdict.outcome == outcome, verdict
 
 
 def test_wins_are_shared_within_five_percent_of_the_least() -> None:
-    found = shared_wins(
+    winners = shared_wins(
         {
             "a": [1.0, 1.0, math.nan, math.nan],
             "b": [1.05, 1.06, 3.0, math.nan],
             "c": [2.0, 0.9, 3.1, math.nan],
         }
     )
-    assert {name: list(x) for name, x in found.items()} == {
+    assert {name: list(x) for name, x in winners.items()} == {
         "a": [True, False, False, False],
         "b": [True, False, True, False],
         "c": [False, True, True, False],
@@ -247,9 +245,9 @@ def test_fig2_cells(make: Make) -> None:
 def test_fig2_verdicts(
     tmp_path: Path, ratios: list[float], work: list[float], late: str, expected: tuple[str, ...]
 ) -> None:
-    found = verdicts_of(fig2(ratios, work, late), tmp_path)
-    assert tuple(verdict.outcome for verdict in found[:5]) == expected
-    for verdict in found[:4]:
+    verdicts = verdicts_of(fig2(ratios, work, late), tmp_path)
+    assert tuple(verdict.outcome for verdict in verdicts[:5]) == expected
+    for verdict in verdicts[:4]:
         assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
 
 
@@ -279,8 +277,8 @@ def test_fig2_counts_what_near_pairs_take(
 
 
 def test_fig2_time_and_work_are_judged_apart(tmp_path: Path) -> None:
-    found = verdicts_of(fig2([20.0, 21.0, 22.0, 23.0], [0.5, 0.6, 0.4, 0.5]), tmp_path)[0]
-    assert found.outcome == HOLDS and {x.outcome for x in found.counted.values()} == {FAILS}
+    verdict = verdicts_of(fig2([20.0, 21.0, 22.0, 23.0], [0.5, 0.6, 0.4, 0.5]), tmp_path)[0]
+    assert verdict.outcome == HOLDS and {x.outcome for x in verdict.counted.values()} == {FAILS}
 
 
 @pytest.mark.parametrize("late", ["22", "z2", "s2"])
@@ -387,9 +385,10 @@ NEVER = [math.nan] * 8
 def test_fig10_verdicts(
     tmp_path: Path, costs: dict[str, list[float]], unsolved: int, expected: tuple[str, ...]
 ) -> None:
-    found = verdicts_of(fig10(costs, unsolved), tmp_path)
-    assert tuple(verdict.outcome for verdict in found[:4]) == expected, [v.evidence for v in found]
-    for verdict in found[:3]:
+    verdicts = verdicts_of(fig10(costs, unsolved), tmp_path)
+    evidence = [verdict.evidence for verdict in verdicts]
+    assert tuple(verdict.outcome for verdict in verdicts[:4]) == expected, evidence
+    for verdict in verdicts[:3]:
         assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
 
 
@@ -417,8 +416,9 @@ def test_fig10_looks_at_the_ten_best_and_at_cascades(
         "21": 2 * others,
         "4321": 2 * others,
     }
-    found = verdicts_of(fig10(costs), tmp_path)[4:]
-    assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]
+    verdicts = verdicts_of(fig10(costs), tmp_path)[4:]
+    evidence = [verdict.evidence for verdict in verdicts]
+    assert tuple(verdict.outcome for verdict in verdicts) == expected, evidence
 
 
 def test_fig10_is_drawn_without_a_winner(make: Make) -> None:
@@ -431,9 +431,9 @@ def test_fig2_draws_no_bound_for_a_pair_that_was_not_stopped_by_the_clock(tmp_pa
     common: dict[str, Any] = {"source_elements": 9000, "case_seconds_limit": 180.0}
     file.case("sacht", "large", [0.01], lower=0.25, upper=0.25, **common)
     file.case("zheng", "large", **without_bounds("out_of_memory", "more than 8192 MB", common))
-    found = sacht2024_fig2.Pairs(load(file.write(tmp_path)))
-    assert found.over("zheng") == 2
-    hollow = [line for line in sacht2024_fig2.draw(found).axes[0].lines if line.get_marker() == "^"]
+    pairs = sacht2024_fig2.Pairs(load(file.write(tmp_path)))
+    assert pairs.over("zheng") == 2
+    hollow = [line for line in sacht2024_fig2.draw(pairs).axes[0].lines if line.get_marker() == "^"]
     assert [list(line.get_xdata()) for line in hollow] == [[700]] and list(
         hollow[0].get_ydata()
     ) == [pytest.approx(180 / 0.01)]

@@ -77,4 +77,6 @@ def test_each_part_of_the_stability_matrix_fits_a_page(suite: Suite) -> None:
 def test_no_colour_and_no_marker_twice_among_the_lines_in_front(suite: Suite) -> None:
     shown = [look(*pair) for pair in stability_panels.telling(suite, suite.families)]
     assert 3 <= len(shown) <= stability_panels.SHOWN
-    assert len({one.colour for one in shown}) == len({one.marker for one in shown}) == len(shown)
+    colours = {line.colour for line in shown}
+    markers = {line.marker for line in shown}
+    assert len(colours) == len(markers) == len(shown)

@@ -78,13 +78,13 @@ def test_a_verdict_of_this_run_stands_before_the_kept_one() -> None:
         "**holds (kept)** | before" in line([few], [kept])[0]
         and "**not judged** | n = 2" in line([few], [])[0]
     )
-    other = claims.record(
+    peak = claims.record(
         Verdict(claims.of("zhang2017", "peak", "torus", solver="INC"), HOLDS, "x"),
         "zhang2017_fig10",
         "paper",
     )
     assert "torus: the time of INC peaks" in paper_page.markdown(
-        "zhang2017", paper_page.lines_of("zhang2017", [other], [kept])
+        "zhang2017", paper_page.lines_of("zhang2017", [peak], [kept])
     )
 
 
@@ -116,18 +116,18 @@ def test_a_reason_for_a_difference_stands_alone() -> None:
         "tang2009_fig10",
         "paper",
     )
-    (found,) = [line for line in paper_page.lines_of("tang2009", [judged], []) if line.verdict]
-    assert paper_page.why(found) == f"{claim.entry.differs} {claim.entry.why_not}"
+    (entry,) = [line for line in paper_page.lines_of("tang2009", [judged], []) if line.verdict]
+    assert paper_page.why(entry) == f"{claim.entry.differs} {claim.entry.why_not}"
 
 
 def test_a_sentence_that_no_script_judges_has_its_reason_and_no_verdict() -> None:
     lines = paper_page.lines_of("zhang2017", [], [])
-    (found,) = [
+    (table_row,) = [
         text
         for text in paper_page.markdown("zhang2017", lines).splitlines()
         if "in proportion to the number of points |" in text
     ]
-    assert found.endswith(
+    assert table_row.endswith(
         " | **not tested** | No experiment builds the best case, in which the first distance ends the loop of every point. |  |  |"
     )
     judged: claims.Record = {**record(HOLDS, "x"), "id": "best_case"}

@@ -101,7 +101,7 @@ def test_a_group_is_measured_in_parts(tmp_path: Path) -> None:
     assert after.tables["zhang2017_table1"] == before.tables["zhang2017_table1"]
     assert after.rows == before.rows
     assert len(before.verdicts) == len(after.verdicts) and {
-        one["stem"] for one in after.verdicts
+        record["stem"] for record in after.verdicts
     } == {"zhang2017_table1", "zhang2017_fig8"}
     assert "New CPU" in after.tables["zhang2017_fig8"]
     head = path.read_text(encoding="utf-8").partition("| stem |")[0]

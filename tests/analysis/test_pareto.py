@@ -14,13 +14,13 @@ from analysis.shared import load
 def cell(
     file: ResultFile,
     scene: str,
-    own: tuple[float, float],
+    ours: tuple[float, float],
     rival: tuple[float, float],
     spread: float = 0.01,
     certified: int = 1,
 ) -> None:
-    """Adds six rounds of both solvers; `own` and `rival` are (seconds, gap)."""
-    for solver, (seconds, gap), known in (("cover", own, 1), ("guthe", rival, certified)):
+    """Adds six rounds of both solvers; `ours` and `rival` are (seconds, gap)."""
+    for solver, (seconds, gap), is_certified in (("cover", ours, 1), ("guthe", rival, certified)):
         file.case(
             solver,
             scene,
@@ -29,11 +29,11 @@ def cell(
             lower=1.0,
             upper=1.0 + gap,
             tolerance=1e-3,
-            certified=known,
+            certified=is_certified,
         )
 
 
-def found(file: ResultFile, tmp_path: Path) -> list[pareto.Cell]:
+def cells_of(file: ResultFile, tmp_path: Path) -> list[pareto.Cell]:
     return pareto.cells(load.load(file.write(tmp_path)), "cover")
 
 
@@ -45,7 +45,7 @@ def test_front(tmp_path: Path) -> None:
     cell(file, "beaten by one of equal gap", (2.0, 1e-4), (1.0, 1e-4))
     cell(file, "uncertified", (2.0, 2e-4), (1.0, 1e-4), certified=0)
     file.case("cover", "failed", status="timeout", tolerance=1e-3)
-    cells = found(file, tmp_path)
+    cells = cells_of(file, tmp_path)
     assert [bool(x.beaten_by) for x in cells] == [False, False, True, True, False]
     assert [bool(x.rivals) for x in cells] == [False, False, True, True, False]
     line = pareto.judge(cells, "cover (ours)").line()
@@ -60,7 +60,7 @@ def test_open_where_times_are_not_separated(tmp_path: Path) -> None:
     file = ResultFile("error_vs_time")
     file.case("cover", "x", [1.0, 3.0] * 3, rounds=6, lower=1.0, upper=1.5, tolerance=1e-3)
     file.case("guthe", "x", [2.0, 1.0] * 3, rounds=6, lower=1.0, upper=1.25, tolerance=1e-3)
-    cells = found(file, tmp_path)
+    cells = cells_of(file, tmp_path)
     assert [len(x.rivals) for x in cells] == [1] and not cells[0].beaten_by
     assert "not separated from Guthe 2005" in cells[0].line()
     assert "Here: not separated (0 of 1 cells" in pareto.judge(cells, "cover (ours)").line()
@@ -70,7 +70,8 @@ def test_holds_and_without_data(tmp_path: Path) -> None:
     file = ResultFile("error_vs_time")
     cell(file, "faster", (1.0, 2e-4), (2.0, 1e-4))
     assert (
-        "Here it holds (1 of 1 cells" in pareto.judge(found(file, tmp_path), "cover (ours)").line()
+        "Here it holds (1 of 1 cells"
+        in pareto.judge(cells_of(file, tmp_path), "cover (ours)").line()
     )
     assert "not tested" in pareto.judge([], "cover (ours)").line()
 
@@ -80,7 +81,7 @@ def test_points_are_no_cells(tmp_path: Path) -> None:
     cell(file, "faster", (1.0, 2e-4), (2.0, 1e-4))
     for model in file.models:
         model["kind"] = "points"
-    assert found(file, tmp_path) == []
+    assert cells_of(file, tmp_path) == []
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -43,12 +43,18 @@ def test_pages_hold_no_hidden_characters() -> None:
 
 def test_no_cell_of_a_csv_is_a_formula() -> None:
     texts = ["=1+1", "+cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "-2.5e3", "+inf", "a=b", ""]
-    assert [
-        row["x"]
-        for row in csv.DictReader(
-            io.StringIO(table_files.comma_separated([{"x": text} for text in texts]))
-        )
-    ] == ["'=1+1", "'+cmd|' /C calc'!A0", "'@SUM(1)", "'-2+3", "-2.5e3", "+inf", "a=b", ""]
+    table = table_files.comma_separated([{"x": text} for text in texts])
+    cells = [row["x"] for row in csv.DictReader(io.StringIO(table))]
+    assert cells == [
+        "'=1+1",
+        "'+cmd|' /C calc'!A0",
+        "'@SUM(1)",
+        "'-2+3",
+        "-2.5e3",
+        "+inf",
+        "a=b",
+        "",
+    ]
 
 
 def test_errors_and_tables_hold_no_escapes(

@@ -41,11 +41,11 @@ def written(folder: Path, *files: ResultFile) -> tuple[dict[str, Links], list[st
     for file in files:
         file.write(folder)
     paths, problems = pages.write(folder, folder)
-    found = {}
+    links = {}
     for path in paths:
-        found[path.name] = Links()
-        found[path.name].feed(path.read_text(encoding="utf-8"))
-    return found, problems
+        links[path.name] = Links()
+        links[path.name].feed(path.read_text(encoding="utf-8"))
+    return links, problems
 
 
 def peers() -> ResultFile:
@@ -74,8 +74,8 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
     (tmp_path / "figures").mkdir()
     Image.new("RGB", (8, 8)).save(tmp_path / "figures" / "zhang2017_table3.png")
     (tmp_path / "figures" / "zhang2017_table3.pdf").write_bytes(b"x")
-    found, _ = written(tmp_path, zhang2017_table3(), peers())
-    assert set(found) == {
+    links, _ = written(tmp_path, zhang2017_table3(), peers())
+    assert set(links) == {
         "index.html",
         "zhang2017.html",
         "tang2009.html",
@@ -87,14 +87,14 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
         "stability.html",
         "work.html",
     }
-    for name, page in found.items():
+    for name, page in links.items():
         assert len(page.ids) == len(set(page.ids)), name
         for link in page.to:
             file, _, place = link.partition("#")
             if link in ("data:,", "#"):
                 continue
             assert (tmp_path / "report" / (file or name)).is_file(), (name, link)
-            assert not place or place in found[file or name].ids or file == "rows.html", (
+            assert not place or place in links[file or name].ids or file == "rows.html", (
                 name,
                 link,
             )
@@ -134,14 +134,14 @@ def test_names_from_results_stay_text(tmp_path: Path) -> None:
 
 
 def test_without_results_the_kept_verdicts_are_shown(tmp_path: Path) -> None:
-    found, problems = written(tmp_path)
+    links, problems = written(tmp_path)
     text = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
     assert problems == [] and "No results yet" in text and "kept from a longer run" in text
 
 
 def test_which_solver_to_take(tmp_path: Path) -> None:
-    found = chooser.matrix({"mesh_peers": load(peers().write(tmp_path))})
-    (kind,) = found.kinds
+    matrix = chooser.matrix({"mesh_peers": load(peers().write(tmp_path))})
+    (kind,) = matrix.kinds
     assert (kind.title, kind.sized, kind.tolerances) == ("Meshes", True, ["1e-06"])
     ((distance, size, (group,)),) = kind.rows
     assert (
@@ -169,8 +169,19 @@ def won(solver: str, rounds: int, *ratios: float) -> list[Cell]:
         for ratio in ratios
     ]
     return [
-        Cell("mesh", "mesh_peers", f"{solver} {k}", "", 1e-6, solver, solver, 1, one, one.separated)
-        for k, one in enumerate(times)
+        Cell(
+            "mesh",
+            "mesh_peers",
+            f"{solver} {k}",
+            "",
+            1e-6,
+            solver,
+            solver,
+            1,
+            ratio,
+            ratio.separated,
+        )
+        for k, ratio in enumerate(times)
     ]
 
 
@@ -191,7 +202,7 @@ def test_one_separated_win_does_not_speak_for_the_others() -> None:
 
 def test_half_of_the_scenes_make_no_winner() -> None:
     tie = chooser.group(won("cover", 7, 2.0, 3.0) + won("sacht", 7, 1.5, 1.2))
-    assert tie.leader is None and [(one.solver, one.wins) for one in tie.winners] == [
+    assert tie.leader is None and [(winner.solver, winner.wins) for winner in tie.winners] == [
         ("cover", 2),
         ("Sacht 2024", 2),
     ]
@@ -223,7 +234,7 @@ def test_which_rows_can_be_proven_by_a_command(tmp_path: Path) -> None:
         "lower": 0.5,
         "upper": 0.5,
     }
-    others: list[tuple[str, dict[str, Any]]] = [
+    cases: list[tuple[str, dict[str, Any]]] = [
         ("cover", {}),
         ("tang", {}),
         ("cover", {"source": "known to the experiment"}),
@@ -231,8 +242,8 @@ def test_which_rows_can_be_proven_by_a_command(tmp_path: Path) -> None:
         ("cover", {"status": "budget"}),
         ("cover", {"pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 0]}),
     ]
-    for solver, other in others:
-        file.case(solver, "a", [1.0], **good | other)
+    for solver, changes in cases:
+        file.case(solver, "a", [1.0], **good | changes)
     results = load(file.write(tmp_path))
     assert [all_rows.prover(results, row) for row in range(6)] == ["cover", "", "", "", "", ""]
 
@@ -279,17 +290,17 @@ def test_strict_fails_with_the_name(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_claims_that_do_not_hold_come_first() -> None:
     lines = paper_page.lines_of("zhang2017", [], paper_page.records(REFERENCE))
-    found = outcomes.paper("zhang2017", lines)
-    against = [line.against for line in found.lines]
+    paper = outcomes.paper("zhang2017", lines)
+    against = [line.against for line in paper.lines]
     assert (
-        against == sorted(against, reverse=True) and any(against) and len(found.lines) == len(lines)
+        against == sorted(against, reverse=True) and any(against) and len(paper.lines) == len(lines)
     )
-    assert {line.id for line in found.lines if line.against} == {
-        line.id for line in found.lines if line.against and line.why
-    }
-    said = [(line.id, line.why) for line in found.lines if line.why]
+    unlike = [line for line in paper.lines if line.against]
+    explained = {line.id for line in unlike if line.why}
+    assert {line.id for line in unlike} == explained
+    said = [(line.id, line.why) for line in paper.lines if line.why]
     assert len(said) == len(set(said)), "the reason stands once"
-    assert sum(count for _, count in found.counts) == len(lines)
+    assert sum(count for _, count in paper.counts) == len(lines)
 
 
 def test_no_page_asks_the_network() -> None:

@@ -110,16 +110,16 @@ def test_scenes_with_fields_and_motions(tmp_path: Path) -> None:
             pose_index=k,
             severity=10.0**k,
         )
-    found = scenes.described({"overview": load(file.write(tmp_path))})
-    still, moving = found["scenes"]
+    described = scenes.described({"overview": load(file.write(tmp_path))})
+    still, moving = described["scenes"]
     assert (
         still["witness"] == [0.0, 0, 0, 1, 0, 0]
         and still["colours"].keys() == {"distance"}
         and len(still["poses"]) == 1
     )
     assert (moving["solver"], len(moving["poses"]), moving["lower"]) == ("tang", 3, [0.0, 0.1, 0.2])
-    assert len(found["meshes"]) == 4 and all(
-        mesh["count"] == mesh["of"] == 4 for mesh in found["meshes"]
+    assert len(described["meshes"]) == 4 and all(
+        mesh["count"] == mesh["of"] == 4 for mesh in described["meshes"]
     )
 
 

@@ -55,8 +55,8 @@ def test_table2_compares_the_pairs_near_zero(
     """Zheng over Kang equals Kang over Sacht, because zheng takes kang's factor squared."""
     zheng: Ratio = TIE if isinstance(kang, Tie) else kang * kang
     _, _, text = make(synthetic_sacht.table2(kang=kang, zheng=zheng))
-    found = claim(text, "near zero, Sacht takes less time than Kang")
-    assert found.startswith(outcome) and counted in found
+    line = claim(text, "near zero, Sacht takes less time than Kang")
+    assert line.startswith(outcome) and counted in line
     assert claim(text, "near zero, Sacht takes less time than Zheng").startswith(outcome)
     if not isinstance(kang, Tie):
         assert claim(text, "near zero, Kang takes less time than Zheng").startswith(outcome)
@@ -137,8 +137,8 @@ def test_table3_compares_the_pairs_far_apart(
 ) -> None:
     _, _, text = make(synthetic_sacht.table3(sacht=sacht, kang=kang))
     assert claim(text, "far apart, Zheng takes less time than Kang").startswith(outcome)
-    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")
-    assert found.startswith(outcome) and "of 4 pairs" in found
+    line = claim(text, "Sacht is faster than Kang and Zheng in most cases")
+    assert line.startswith(outcome) and "of 4 pairs" in line
 
 
 @pytest.mark.parametrize(
@@ -153,11 +153,11 @@ def test_table3_looks_at_the_pair_that_the_paper_lost(
     make: Make, lost: float, outcome: str
 ) -> None:
     _, rows, text = make(synthetic_sacht.table3(lost=lost))
-    found = claim(text, "on (Ramesses, Bust), Zheng takes less time than Sacht")
+    line = claim(text, "on (Ramesses, Bust), Zheng takes less time than Sacht")
     assert (
-        found.startswith(outcome)
+        line.startswith(outcome)
         and f"Counted in distances it {'is ' if lost == 2.0 else ''}{outcome.strip(' :it').split(' (')[0]}"
-        in found
+        in line
     )
     assert rows[""][2][rows["pair"][0].index("Kang 2018")] == "227"
 
@@ -167,8 +167,8 @@ def test_fig13_compares_at_each_tolerance(
     make: Make, kang: Ratio, outcome: str, counted: str
 ) -> None:
     _, rows, text = make(synthetic_sacht.fig13(kang=kang))
-    found = claim(text, "than Kang 2018")
-    assert found.startswith(outcome) and counted in found and "of 3 tolerances" in found
+    line = claim(text, "than Kang 2018")
+    assert line.startswith(outcome) and counted in line and "of 3 tolerances" in line
     assert (
         rows["Sacht 2024"][0][0] == "12.5 [10.0, 15.0]"
         and rows["Sacht 2024"][0][1] == "—"
@@ -193,8 +193,8 @@ def test_fig14_knows_of_stopped_solvers(
     make: Make, ratio: Ratio, stopped: float, outcome: str
 ) -> None:
     records, rows, text = make(synthetic_sacht.fig14(thousands=ratio, stopped=stopped))
-    found = claim(text, "thousands of times")
-    assert found.startswith(outcome) and "against 1,000" in found
+    line = claim(text, "thousands of times")
+    assert line.startswith(outcome) and "against 1,000" in line
     cells = rows["square, cut the other way"][0]
     assert cells[3] == (f"> {stopped * 1000:.0f}" if stopped else cells[3]) and cells[5].startswith(
         "> " if stopped else f"{size_of(ratio):.0f}"
@@ -234,11 +234,9 @@ def test_fig15_against_three_minutes(make: Make, seconds: float, outcome: str) -
 @pytest.mark.parametrize("fine,outcome,counted", WAYS)
 def test_fig15_at_two_tolerances(make: Make, fine: Ratio, outcome: str, counted: str) -> None:
     _, rows, text = make(synthetic_sacht.fig15(fine=fine))
-    found = claim(text, "more time at 1e-8 than at 1e-6")
+    line = claim(text, "more time at 1e-8 than at 1e-6")
     assert (
-        found.startswith(outcome)
-        and counted.removesuffix("above") in found
-        and "against" not in found
+        line.startswith(outcome) and counted.removesuffix("above") in line and "against" not in line
     )
     titles = [cells[0] for cells in rows["fandisk"]]
     assert titles == ["Kang 2018"] * 2 + ["Zheng 2022"] * 2 + ["Sacht 2024"] * 2 + ["CGAL"]
@@ -285,7 +283,7 @@ def test_a_ratio_to_a_stopped_solver_is_known_from_one_side() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong,found",
+    "wrong,cell",
     [
         ({}, "ends, gap 1.0e-9"),
         ({"upper": 0.25 + 2e-8}, "gap above the tolerance"),
@@ -296,11 +294,11 @@ def test_a_ratio_to_a_stopped_solver_is_known_from_one_side() -> None:
         ({"upper": math.nan, "status": "signal"}, "no bounds (crashed)"),
     ],
 )
-def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], found: str) -> None:
+def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], cell: str) -> None:
     _, rows, text = make(synthetic_sacht.section52(**wrong))
     header, cells = rows["scene"][0], rows["unreferenced vertex"][0]
     assert (
-        cells[header.index("Sacht 2024")] == found
+        cells[header.index("Sacht 2024")] == cell
         and cells[header.index("Zheng 2022")] == "precision floor, gap 1.0e-7"
     )
     assert cells[header.index("CGAL")] == "no bounds (timeout)" and cells[0].startswith(

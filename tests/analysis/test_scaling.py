@@ -87,8 +87,8 @@ def of(sizes: tuple[float, ...], peak: tuple[float, ...]) -> Curve:
 
 
 def test_memory_is_compared_at_the_largest_size_of_both() -> None:
-    ours, theirs = of((1e5, 1e6, 1e7), (1e7, 1e8, 1e9)), of((1e5, 1e6), (3e7, 5e8))
-    assert peak_ratio(theirs, ours) == 5
+    ours, rival = of((1e5, 1e6, 1e7), (1e7, 1e8, 1e9)), of((1e5, 1e6), (3e7, 5e8))
+    assert peak_ratio(rival, ours) == 5
     assert math.isnan(peak_ratio(None, ours)) and math.isnan(peak_ratio(ours, ours))
     assert math.isnan(peak_ratio(of((1e5,), (1e5,)), ours))  # too little data
 
@@ -222,10 +222,11 @@ def test_points(make: Make) -> None:
         upper=1.0,
     )
     records, rows, text = make(file)
-    scan, rival, early = (
-        next(row for row in rows["near"] if row[0].startswith(name))
-        for name in ("scan", "k-d tree (CGAL)", "EARLYBREAK")
-    )
+
+    def row_of(name: str) -> list[str]:
+        return next(row for row in rows["near"] if row[0].startswith(name))
+
+    scan, rival, early = map(row_of, ("scan", "k-d tree (CGAL)", "EARLYBREAK"))
     assert (
         scan[1] == "2K to 600K"
         and scan[3] == "1.10 [1.10, 1.10]"
@@ -271,12 +272,8 @@ def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
         case["lower"] = case["upper"] = case["upper"] * (1.3, 1 / 1.3)[i // 2 % 2]
     make(file)
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
-    cells = [
-        cell.strip()
-        for cell in next(
-            line for line in text.splitlines() if line.startswith("| near | scan")
-        ).split("|")[1:-1]
-    ]
+    line = next(line for line in text.splitlines() if line.startswith("| near | scan"))
+    cells = [cell.strip() for cell in line.split("|")[1:-1]]
     tasks, memory = int(cells[6]), 12 * 2**30
     sizes = [2.0 * n for n in SIZES]
     peak = growth(sizes, [float(case["peak_bytes"]) for case in file.cases], 2**20)
@@ -315,12 +312,8 @@ def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> 
         ] = 0.06  # a cell would fit, but its margin takes in thirteen times as many points
     make(file)
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
-    cells = [
-        cell.strip()
-        for cell in next(
-            line for line in text.splitlines() if line.startswith("| near | scan")
-        ).split("|")[1:-1]
-    ]
+    line = next(line for line in text.splitlines() if line.startswith("| near | scan"))
+    cells = [cell.strip() for cell in line.split("|")[1:-1]]
     assert cells[2].startswith("0.030 [") and cells[6:] == ["margin too wide", "—", "—", "—"]
 
 

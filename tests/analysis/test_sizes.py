@@ -77,12 +77,12 @@ def test_a_verdict_of_smaller_sizes_names_the_kept_one(
 ) -> None:
     monkeypatch.setattr(sizes, "REFERENCE", tmp_path / "reference")
     (tmp_path / "reference").mkdir()
-    greater, own = Verdict(claims.of("zhang2017", "depth_greater"), FAILS, "x"), Verdict(
+    greater, traps = Verdict(claims.of("zhang2017", "depth_greater"), FAILS, "x"), Verdict(
         claims.of("hausbench", "traps"), FAILS, "x"
     )
     small = results_of(tmp_path, TOML.replace("{}", "small"))
-    never, ours = sizes.tested([greater, own], small, "zhang2017_fig8")
-    assert ours == own  # our own claim, not a paper's
+    never, ours = sizes.tested([greater, traps], small, "zhang2017_fig8")
+    assert ours == traps  # our own claim, not a paper's
     printed = Verdict(
         claims.of("hausbench", "depth_of_frame", scene="x", printed=1.0, title="cover"), FAILS, "x"
     )

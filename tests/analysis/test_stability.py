@@ -179,26 +179,22 @@ def test_outcomes_are_told_apart_in_grey() -> None:
         )
         return 116 * float(np.cbrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)) - 16
 
-    letters = [outcome.letter for outcome in Outcome if outcome.letter] + [
-        letter for letter, _ in STOPS.values()
-    ]
+    letters = [outcome.letter for outcome in Outcome if outcome.letter]
+    letters += [letter for letter, _ in STOPS.values()]
     assert (
         len({letter.lower() for letter in letters}) == len(letters) - 1
     )  # only R (refused) and r (rightly refused) share a letter
-    assert {status: letter for status, (letter, _) in STOPS.items()} == {
-        status: style.STATUS_LETTERS[status] for status in STOPS
-    }
-    shades = sorted(
-        light(outcome) for outcome in {outcome.colour: outcome for outcome in Outcome}.values()
-    )
+    for status, (letter, _) in STOPS.items():
+        assert letter == style.STATUS_LETTERS[status]
+    by_colour = {outcome.colour: outcome for outcome in Outcome}
+    shades = sorted(light(outcome) for outcome in by_colour.values())
     assert all(above - below > 7 for below, above in zip(shades, shades[1:]))
     assert all(
         light(outcome) < 50 and outcome.letter
         for outcome in (Outcome.WRONG, Outcome.CRASHED, Outcome.HUNG)
     )
-    assert [outcome.badness for outcome in Outcome] == sorted(
-        outcome.badness for outcome in Outcome
-    )
+    badness = [outcome.badness for outcome in Outcome]
+    assert badness == sorted(badness)
 
 
 def test_the_letter_of_a_stop_says_at_what(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,14 +203,12 @@ def test_the_letter_of_a_stop_says_at_what(tmp_path: Path, monkeypatch: pytest.M
     sweeps.family("offset", "mesh", [1.0, 2.0, 3.0], {"guthe": list(stops.values())})
     suite = written(sweeps, tmp_path, monkeypatch)
     family = suite.families[0]
-    assert [family.mark("guthe", step, family.tolerances[0]) for step in family.steps] == [
-        (Outcome.STOPPED, letter) for letter in "TBP"
-    ]
+    marks = [family.mark("guthe", step, family.tolerances[0]) for step in family.steps]
+    assert marks == [(Outcome.STOPPED, letter) for letter in "TBP"]
     figure = stability_picture.draw(suite)["meshes"]
     entries = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert [f"{letter}  {words}" for letter, words in STOPS.values()] == [
-        text for text in entries if "stopped" in text
-    ]
+    stopped = [text for text in entries if "stopped" in text]
+    assert [f"{letter}  {words}" for letter, words in STOPS.values()] == stopped
     plt.close(figure)
 
 
@@ -225,22 +219,22 @@ def test_largest_coordinates_decide_what_can_be_met(
     turned = sweeps.file.cases[0]  # A is moved by 7, so the largest coordinate is at most 8
     turned["pose"] = [0.0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 7]
     suite = written(sweeps, tmp_path, monkeypatch)
-    found = Judge(suite.results)
-    assert found.magnitude(0) == 8.0
+    suite_judge = Judge(suite.results)
+    assert suite_judge.magnitude(0) == 8.0
     last = next(
         answer for answer in suite.answers if answer.severity == 1e12 and answer.label == "naive"
     )
-    assert found.magnitude(last.row) == 1e12 and last.can_be_met is False
+    assert suite_judge.magnitude(last.row) == 1e12 and last.can_be_met is False
     at_the_bound = 40 * U * 8
     for tolerance, met in ((at_the_bound, True), (np.nextafter(at_the_bound, 0), False)):
         suite.results.cases.tolerance_absolute[0] = tolerance
-        assert found.can_be_met(0) is met
+        assert suite_judge.can_be_met(0) is met
     surface = next(
         answer
         for answer in suite.answers
         if answer.label == "surface_enclosure" and answer.outcome == Outcome.CRASHED
     )
-    assert found.magnitude(surface.row) == 1.0
+    assert suite_judge.magnitude(surface.row) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -264,8 +258,8 @@ def test_certified_rows_get_no_slack(
         {label: [{"lower": 0.5 + off, "upper": 0.5 + off}] for label in ("guthe", "cgal")},
     )
     suite = written(sweeps, tmp_path, monkeypatch)
-    found = {answer.label: answer.outcome for answer in suite.answers}
-    assert (found["guthe"], found["cgal"]) == (certified, peer)
+    outcomes = {answer.label: answer.outcome for answer in suite.answers}
+    assert (outcomes["guthe"], outcomes["cgal"]) == (certified, peer)
 
 
 def test_certified_rows_that_contradict_each_other_are_wrong(
@@ -292,8 +286,8 @@ def test_certified_rows_that_contradict_each_other_are_wrong(
         },
     )
     suite = written(sweeps, tmp_path, monkeypatch)
-    found = {answer.label: answer.outcome for answer in suite.answers}
-    assert [found[label] for label in answers] == [Outcome.WRONG, Outcome.WRONG, Outcome.STOPPED]
+    outcomes = {answer.label: answer.outcome for answer in suite.answers}
+    assert [outcomes[label] for label in answers] == [Outcome.WRONG, Outcome.WRONG, Outcome.STOPPED]
 
 
 def test_what_is_not_legal_is_no_answer_of_solvers_that_take_no_such_shapes(
@@ -305,11 +299,11 @@ def test_what_is_not_legal_is_no_answer_of_solvers_that_take_no_such_shapes(
     assert illegal
     for answer in illegal:
         takes = any(
-            other.legal
-            and other.label == answer.label
-            and other.outcome != Outcome.NOT_APPLICABLE
-            and suite.family_of[other.row].kind == suite.family_of[answer.row].kind
-            for other in suite.answers
+            candidate.legal
+            and candidate.label == answer.label
+            and candidate.outcome != Outcome.NOT_APPLICABLE
+            and suite.family_of[candidate.row].kind == suite.family_of[answer.row].kind
+            for candidate in suite.answers
         )
         assert takes or answer.outcome == Outcome.NOT_APPLICABLE
 
@@ -411,9 +405,8 @@ def test_the_share_of_tight_cells_decides(
     ends: list[dict[str, Any]] = [GOOD] * tight + [
         {"lower": 0.25, "upper": 0.75, "status": "budget"}
     ] * (20 - tight)
-    sweeps.family(
-        "offset", "mesh", [10.0**k for k in range(20)], {label: ends for label in MESHES}
-    )
+    severities = [10.0**k for k in range(20)]
+    sweeps.family("offset", "mesh", severities, {label: ends for label in MESHES})
     sweeps.file.write(tmp_path)
     write_shapes(sweeps.file, tmp_path, {})
     assert f"aside). Here {outcome}" in make(sweeps.file)[2]
@@ -690,9 +683,8 @@ def test_time_table_and_timeouts_at_the_limit(
         line for line in times.lines if len(line.get_xdata()) == 1 and line.get_ydata()[0] == 2.0
     ]
     assert len(at_limit) == 2 and all(line.get_markerfacecolor() == "white" for line in at_limit)
-    assert [text.get_text() for text in times.texts] == ["C"] and sorted(
-        text.get_text() for text in work.texts
-    ) == ["C", "H"]
+    assert [text.get_text() for text in times.texts] == ["C"]
+    assert sorted(text.get_text() for text in work.texts) == ["C", "H"]
     assert (
         times.get_xlim()[0] > times.get_xlim()[1]
     )  # the most severe value, here the smallest, is on the right

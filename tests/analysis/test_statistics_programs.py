@@ -26,11 +26,11 @@ def programs(
             "source": f"{pair}/A",
             "target": f"{pair}/B",
         }
-        for tolerance, own in ((1e-2, 0.01), (1e-3, 0.02)) if proven else ():
+        for tolerance, middle in ((1e-2, 0.01), (1e-3, 0.02)) if proven else ():
             file.case(
                 "distribution",
                 pair,
-                spread(own, 7),
+                spread(middle, 7),
                 lower=0.01 * (1 - tolerance / 200),
                 upper=0.01 * (1 + tolerance / 200),
                 prepare_seconds=0.0,
@@ -63,12 +63,8 @@ def made(folder: Path, file: ResultFile) -> str:
 
 
 def row_of(text: str, start: str) -> list[str]:
-    return [
-        cell.strip()
-        for cell in next(line for line in text.splitlines() if line.startswith(start)).split("|")[
-            1:-1
-        ]
-    ]
+    row = next(line for line in text.splitlines() if line.startswith(start))
+    return [cell.strip() for cell in row.split("|")[1:-1]]
 
 
 @pytest.mark.parametrize(

@@ -168,11 +168,11 @@ def test_points_speed_judges_lss_against_earlybreak(
 ) -> None:
     """EARLYBREAK takes 10 ms on the first workload and times out on the second."""
     file = synthetic.points_speed()
-    for scene, own in zip(("overlapping_100K", "noisy_100K"), seconds):
+    for scene, duration in zip(("overlapping_100K", "noisy_100K"), seconds):
         file.case(
             "lss",
             scene,
-            [own] * 9,
+            [duration] * 9,
             prepare_seconds=0.0,
             lower=0.25,
             upper=0.25,

@@ -114,8 +114,8 @@ def test_convergence_is_judged_by_exact_widths() -> None:
             for k, width in enumerate(widths)
         }
         published |= {
-            ("all pairs", form, depth): replace(one, distances=work**depth)
-            for (_, form, depth), one in published.items()
+            ("all pairs", form, depth): replace(joined, distances=work**depth)
+            for (_, form, depth), joined in published.items()
         }
         return [verdict.outcome for verdict in shou2014_convergence.verdicts(published, exact)]
 

@@ -97,13 +97,13 @@ def test_a_value_is_rounded_only_if_its_interval_agrees() -> None:
 def names_in(node: ast.AST) -> set[str]:
     """Returns the names in an expression; none for a width or a middle."""
     if isinstance(node, ast.BinOp) and any(
-        isinstance(one, (ast.Add, ast.Sub)) for one in ast.walk(node)
+        isinstance(part, (ast.Add, ast.Sub)) for part in ast.walk(node)
     ):
         return set()
     return {
-        one.attr if isinstance(one, ast.Attribute) else one.id
-        for one in ast.walk(node)
-        if isinstance(one, (ast.Attribute, ast.Name))
+        part.attr if isinstance(part, ast.Attribute) else part.id
+        for part in ast.walk(node)
+        if isinstance(part, (ast.Attribute, ast.Name))
     }
 
 

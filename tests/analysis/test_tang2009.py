@@ -51,8 +51,8 @@ def test_table2_cells(make: Make) -> None:
         "5",
         "954.5",
     ]  # culled on A and on B, depth, and the median number of queries over all poses but the first
-    others = {row[0]: row for row in rows[""]}
-    assert others["paper"][3:] == [
+    by_label = {row[0]: row for row in rows[""]}
+    assert by_label["paper"][3:] == [
         "84.31",
         "0.04",
         "670.6",
@@ -61,7 +61,7 @@ def test_table2_cells(make: Make) -> None:
         "—",
         "—",
     ]  # the paper's values for Dog/Lion
-    assert others["cover, warm"][6:9] == ["—"] * 3
+    assert by_label["cover, warm"][6:9] == ["—"] * 3
     assert len(records) == 3 * 4 * 21 and "two stand in" in text
 
 
@@ -517,13 +517,11 @@ def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path)
 
 def test_the_makefile_measures_first_whatever_a_script_reads_beside_its_own_results() -> None:
     makefile = (ANALYSIS.parent / "Makefile").read_text(encoding="utf-8")
-    reading = {
-        file.stem: others for file in ANALYSIS.rglob("*.py") if (others := named_in(file)[1:])
-    }
+    reading = {file.stem: stems for file in ANALYSIS.rglob("*.py") if (stems := named_in(file)[1:])}
     assert reading == {"tang2009_nearest": ["tang2009_similarity"]}
-    for stem, others in reading.items():
+    for stem, stems in reading.items():
         assert (
-            f"\n{stem}: {' '.join(others)}\n" in makefile
+            f"\n{stem}: {' '.join(stems)}\n" in makefile
             and results_of(stem) == stem
             and drawn_with(stem) == [stem]
         )
@@ -547,10 +545,10 @@ def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> 
     assert claim(text, SAME).startswith(": not separated (so for 11 of 11 shapes out of 12)")
     assert rows["cover (ours)"][0][4].endswith(", 1 failed")
     # A matrix of other shapes with the same names must not be used.
-    other = synthetic_tang.similarity()
-    for model in other.models:
+    matrix = synthetic_tang.similarity()
+    for model in matrix.models:
         model["sha256"] = "another"
-    other.write(tmp_path)
+    matrix.write(tmp_path)
     assert claim(make(synthetic_tang.nearest())[2], LESS).startswith(": not tested")
 
 
@@ -574,9 +572,8 @@ def test_depths_cells(make: Make) -> None:
         and cover[9].startswith("10.2 [")
     )
     assert [row[-1] for row in rows[""] if row[0] == "paper"] == ["0.97", "3.88"]
-    assert len(records) == 2 * 2 * 60 and {record["frame"] for record in records} == {
-        str(frame) for frame in range(30)
-    }
+    frames = {record["frame"] for record in records}
+    assert len(records) == 2 * 2 * 60 and frames == {str(frame) for frame in range(30)}
     assert claim(text, "Every pair that overlaps").startswith(" it holds") and claim(
         text, "have a number in common"
     ).startswith(" it holds")

@@ -28,12 +28,12 @@ Make = Callable[..., Results]
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
     """Returns a function that writes a result of the scenes x and y, whose targets are derived.
-    `other` names targets that another CGAL derived."""
+    `changed` names targets that another CGAL derived."""
     monkeypatch.setattr(unlike, "LIST", tmp_path / "derived.sha256")
     monkeypatch.setattr(check_reference, "FOLDER", tmp_path / "counts")
     monkeypatch.setattr(sizes, "REFERENCE", tmp_path)
 
-    def result(*other: str, cgal: str = "5.5.1", **columns: Any) -> Results:
+    def result(*changed: str, cgal: str = "5.5.1", **columns: Any) -> Results:
         file = ResultFile(
             "scaling_meshes", meta={"libraries": json.dumps({"CGAL": cgal}), "profile": "paper"}
         )
@@ -41,14 +41,14 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
             for scene in "xy":
                 given: dict[str, Any] = {"lower": 0.5, "upper": 1.0, "counters": {"node_visits": 7}}
                 file.case(
-                    solver, scene, [1.0], **given | (columns if f"{scene}/B" in other else {})
+                    solver, scene, [1.0], **given | (columns if f"{scene}/B" in changed else {})
                 )
         for case in file.cases:
-            if case["target"] in other:
+            if case["target"] in changed:
                 case["identity"] = "0" * 8 + case["identity"][8:]
         for model in file.models:
             model["source"] = "derived" if model["name"].endswith("B") else "debian"
-            if model["name"] in other:
+            if model["name"] in changed:
                 model["sha256"] = "f" * 64
         return load(file.write(tmp_path))
 
@@ -59,11 +59,8 @@ def test_the_list_has_the_derived_models_of_what_was_kept(make: Make) -> None:
     assert not unlike.rows(make()) and unlike.same_cgal(make())  # nothing is kept
     unlike.keep(make())
     first, *lines = unlike.LIST.read_text().splitlines()
-    assert (
-        first == "# CGAL 5.5.1"
-        and [line[66:] for line in lines] == ["x/B", "y/B"]
-        and all(re.match("[0-9a-f]{64}  ", line) for line in lines)
-    )
+    assert first == "# CGAL 5.5.1" and [line[66:] for line in lines] == ["x/B", "y/B"]
+    assert all(re.match("[0-9a-f]{64}  ", line) for line in lines)
     assert unlike.same_cgal(make()) and not unlike.same_cgal(make(cgal="6.0.1"))
     unlike.keep(make("x/B"))
     assert unlike.LIST.read_text().splitlines() == [first, *lines]  # only new models are added
@@ -87,7 +84,10 @@ def test_rows_of_other_shapes_are_counted(make: Make) -> None:
 def verdicts_of(results: Results) -> list[Verdict]:
     claim = [claims.of("hausbench", "bounds_hold", place) for place in ("", "x", "y")]
     table = tables.Table(
-        "caption", ["a"], [["1"]], verdicts=[Verdict(one, FAILS, "so for 1 of 2") for one in claim]
+        "caption",
+        ["a"],
+        [["1"]],
+        verdicts=[Verdict(sentence, FAILS, "so for 1 of 2") for sentence in claim],
     )
     printed = Report(None, table, clock=NO_TIMES).printed(results, STEM)
     assert printed
@@ -150,16 +150,17 @@ def test_a_row_that_failed_on_another_shape_does_not_differ(make: Make) -> None:
 
 def test_they_are_not_kept(make: Make, capsys: pytest.CaptureFixture[str]) -> None:
     check_reference.keep("s", make())
-    other = make("x/B")
+    results = make("x/B")
     for work in (check_reference.check, check_reference.keep):
         work("s", make())
     with pytest.raises(ResultError, match="cannot be kept: 2 of 4 rows are not of the kept shapes"):
-        check_reference.keep("s", other)
+        check_reference.keep("s", results)
     with pytest.raises(ResultError, match="cannot be kept: 2 of 4 rows are not of the kept shapes"):
-        paper_profile.check(other)
+        paper_profile.check(results)
     make("x/B")
     assert (
-        check_reference.main(["scaling_meshes", "--keep", "--results", str(other.path.parent)]) == 2
+        check_reference.main(["scaling_meshes", "--keep", "--results", str(results.path.parent)])
+        == 2
     )
     assert "cannot be kept" in capsys.readouterr().err
 
@@ -182,18 +183,16 @@ def test_the_list_of_the_project() -> None:
     }
     assert by_cgal <= set(models)
     of_corpus = [*corpus["model"], *corpus["whole"], *corpus["manifest"], *corpus["whole_manifest"]]
-    assert (
-        sum(f"{name}_half" in models for name in of_corpus) > 600
-        and sum(f"{name}_remeshed" in models for name in of_corpus) > 600
-    )
+    for ending in ("half", "remeshed"):
+        assert sum(f"{name}_{ending}" in models for name in of_corpus) > 600
 
 
 def test_experiments_name_their_models_apart() -> None:
     """The list has one shape of each name."""
-    known: dict[str, dict[str, Any]] = {}
+    shapes: dict[str, dict[str, Any]] = {}
     for file in sorted((DATASETS.parent / "experiments").rglob("*.toml")):
         for name, table in tomllib.loads(file.read_text()).get("model", {}).items():
-            assert known.setdefault(name, table | {"note": ""}) == table | {
+            assert shapes.setdefault(name, table | {"note": ""}) == table | {
                 "note": ""
             }, f"{name} in {file}"
-    assert len(known) > 50
+    assert len(shapes) > 50

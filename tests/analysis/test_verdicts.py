@@ -75,18 +75,18 @@ def test_most_of(ratios: list[Estimate], outcome: str) -> None:
 def test_most_of_errs_seldom() -> None:
     """Half of the ratios are 2, the others 1, so "most are above" is wrong. It may occur in 5 % of
     trials, plus 3.5 % by chance in 150 trials."""
-    found = rate(
+    share = rate(
         HOLDS,
         lambda rng: verdicts.most_of(
             "x", [noisy(rng, truth, 8) for truth in (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)]
         ),
     )
-    assert found <= 0.085
+    assert share <= 0.085
 
 
 def test_least_of() -> None:
-    one = verdicts.least_of([ratio(3.0), ratio(2.0)])
-    assert one.value == pytest.approx(2.0) and one.p_above == ratio(2.0).p_above
+    least = verdicts.least_of([ratio(3.0), ratio(2.0)])
+    assert least.value == pytest.approx(2.0) and least.p_above == ratio(2.0).p_above
     assert verdicts.least_of([ratio(3.0), ratio(0.5)]).p_below == 2 * ratio(0.5).p_below
     assert verdicts.least_of([ratio(3.0), NO_DATA]).n == 0 and verdicts.least_of([]).n == 0
 
@@ -221,8 +221,8 @@ def test_never_against_the_rate_of_a_variant() -> None:
 
 
 def test_chosen_cases_give_no_rate() -> None:
-    found = verdicts.never_chosen("x", 0, 2894, "answers")
-    assert (found.outcome, found.evidence) == (
+    verdict = verdicts.never_chosen("x", 0, 2894, "answers")
+    assert (verdict.outcome, verdict.evidence) == (
         NOT_REFUTED,
         "0 of 2,894 answers; the cases were chosen, not drawn, so no rate follows",
     )
@@ -275,9 +275,11 @@ def test_rising_by_run() -> None:
 
 def test_constant() -> None:
     def of(*levels: float, runs: int = 12, spread: float = 0.0) -> str:
-        return verdicts.constant(
-            "x", [[y * (1 + spread * i) for i in range(runs)] for y in levels], 1.25
-        ).outcome
+        factors = [1 + spread * i for i in range(runs)]
+        times = []
+        for level in levels:
+            times.append([level * factor for factor in factors])
+        return verdicts.constant("x", times, 1.25).outcome
 
     assert of(1.0, 1.1, 1.2) == HOLDS and of(1.0, 1.1, 1.5) == FAILS
     assert of(1.0, 1.1, 1.2, spread=0.02) == OPEN and of(1.0, 1.0, 1.0, runs=4) == OPEN
@@ -358,24 +360,24 @@ def test_least_among_errs_seldom() -> None:
     setting."""
 
     def level(rng: np.random.Generator) -> verdicts.Verdict:
-        own, others = np.exp(0.02 * rng.standard_normal(10)), np.exp(
+        setting, rivals = np.exp(0.02 * rng.standard_normal(10)), np.exp(
             0.02 * rng.standard_normal((9, 10))
         )
         return verdicts.least_among(
-            "x", [(str(i), [paired_ratio(x, own)]) for i, x in enumerate(others)], "", ["5"]
+            "x", [(str(i), [paired_ratio(x, setting)]) for i, x in enumerate(rivals)], "", ["5"]
         )
 
     assert rate(FAILS, level) <= 0.067 and rate(HOLDS, level) <= 0.067
 
 
 def test_line_with_counts() -> None:
-    found = verdicts.above_one("a is faster", FASTER).with_counts(
+    verdict = verdicts.above_one("a is faster", FASTER).with_counts(
         {
             "distances": verdicts.above_one("a is faster", exact(0.5)),
             "bounds": verdicts.above_one("a is faster", NO_DATA),
         }
     )
-    assert found.line() == (
+    assert verdict.line() == (
         "Claim: a is faster. Here it holds (ratio 2.00 [2.00, 2.00]). Counted in distances it does not hold "
         "(ratio 0.500); in bounds it is not tested (no ratio)."
     )

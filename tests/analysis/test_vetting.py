@@ -70,15 +70,15 @@ def test_one_call_checks_many_files_and_a_changed_one_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     paths = [result(tmp_path / str(k)) for k in range(5)]
-    asked, ask = list[int](), gate.ask
+    counts, ask = list[int](), gate.ask
 
     def counted(verb: str, files: list[Path]) -> list[str]:
-        asked.append(len(files))
+        counts.append(len(files))
         return ask(verb, files)
 
     monkeypatch.setattr(gate, "ask", counted)
-    assert len(load.load_all(paths)) == 5 and len(load.load_all(paths)) == 5 and asked == [5]
+    assert len(load.load_all(paths)) == 5 and len(load.load_all(paths)) == 5 and counts == [5]
     with h5py.File(paths[2], "r+") as file:
         del file["cases/lower"]
         file["cases/lower"] = h5py.SoftLink("/cases/upper")
-    assert len(load.load_all(paths)) == 4 and asked == [5, 1]
+    assert len(load.load_all(paths)) == 4 and counts == [5, 1]

@@ -38,19 +38,14 @@ def peers(rounds: int = 7, rival: float = 2.0) -> ResultFile:
 
 
 def only_cell(file: ResultFile, folder: Path) -> which_solver.Cell:
-    (found,) = which_solver.cells_of(load(file.write(folder)))
-    return found
+    (cell,) = which_solver.cells_of(load(file.write(folder)))
+    return cell
 
 
 def test_the_fastest_that_is_certified_and_reached_the_tolerance(tmp_path: Path) -> None:
-    found = only_cell(peers(), tmp_path)
-    assert (found.label, found.rivals, found.separated, found.text) == (
-        "cover",
-        1,
-        True,
-        "cover 2.0×",
-    )
-    assert found.ratio is not None and found.ratio.value == pytest.approx(2.0, rel=0.05)
+    cell = only_cell(peers(), tmp_path)
+    assert (cell.label, cell.rivals, cell.separated, cell.text) == ("cover", 1, True, "cover 2.0×")
+    assert cell.ratio is not None and cell.ratio.value == pytest.approx(2.0, rel=0.05)
 
 
 @pytest.mark.parametrize(("rounds", "rival"), [(1, 2.0), (7, 1.0)])
@@ -93,8 +88,8 @@ def test_the_fastest_is_ahead_by_the_ratio_that_is_shown(tmp_path: Path) -> None
             tolerance_of="diagonal",
             prepare_seconds=0.0,
         )
-    found = only_cell(file, tmp_path)
-    assert found.label == "cover" and found.ratio is not None and found.ratio.value >= 1
+    cell = only_cell(file, tmp_path)
+    assert cell.label == "cover" and cell.ratio is not None and cell.ratio.value >= 1
 
 
 def test_sweeps(tmp_path: Path) -> None:
@@ -127,11 +122,11 @@ def test_sweeps(tmp_path: Path) -> None:
         variant="step=0.1",
         options={"step": 0.1},
     )
-    found = only_cell(file, tmp_path)
+    cell = only_cell(file, tmp_path)
     assert (
-        (found.label, found.rivals) == ("kang", 2)
-        and found.ratio is not None
-        and found.ratio.value == pytest.approx(1 / 0.7, rel=0.05)
+        (cell.label, cell.rivals) == ("kang", 2)
+        and cell.ratio is not None
+        and cell.ratio.value == pytest.approx(1 / 0.7, rel=0.05)
     )
 
 

@@ -33,7 +33,7 @@ def kept(
     """Writes one file of times per stem, empty except for `stem`. `changed` replaces times on the
     first scene."""
     first = next(iter(times))
-    found: list[tables.Record] = [
+    records: list[tables.Record] = [
         {
             "stem": stem,
             "scene": scene,
@@ -44,12 +44,12 @@ def kept(
             "n": {0: 0, 1: 1, 3: rounds}[len(seconds)],
             "apart": apart,
         }
-        for scene, own in times.items()
-        for solver, seconds in (own | (changed if scene == first else {})).items()
+        for scene, by_solver in times.items()
+        for solver, seconds in (by_solver | (changed if scene == first else {})).items()
     ]
     for name, (file, _) in winners.RACES.items():
         table_files.save_json(
-            found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX)
+            records if name == stem else [], (folder / file).with_suffix(winners.SUFFIX)
         )
     return folder
 
@@ -63,11 +63,11 @@ def test_readme_is_what_the_kept_times_give() -> None:
 def rows_of(stem: str, text: str) -> list[list[str]]:
     """Returns the cells of a stem's table, with the header first."""
     section = text.partition(f"\n## {stem}\n")[2].partition("\n## ")[0]
-    return [
-        [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-        for line in section.splitlines()
-        if line.startswith("| ")
-    ]
+    rows = []
+    for line in section.splitlines():
+        if line.startswith("| "):
+            rows.append([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]])
+    return rows
 
 
 @pytest.mark.parametrize("stem", winners.RACES)
@@ -76,18 +76,18 @@ def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
     missing."""
     file = winners.RACES[stem][0]
     header, *rows = rows_of(stem, (REFERENCE / file).read_text(encoding="utf-8"))
-    found = [one for one in winners.read(file) if one.stem == stem]
-    titles = {one.title for one in found}
-    by_cell = {(one.scene, one.title): one for one in found}
-    assert len(by_cell) == len(found) and {one.title for one in found} <= set(header)
-    for scene in dict.fromkeys(one.scene for one in found):
+    times = [time for time in winners.read(file) if time.stem == stem]
+    titles = {time.title for time in times}
+    by_cell = {(time.scene, time.title): time for time in times}
+    assert len(by_cell) == len(times) and {time.title for time in times} <= set(header)
+    for scene in dict.fromkeys(time.scene for time in times):
         row = next(row for row in rows if row[0] in (scene, style.scene_title(scene)))
         for title, cell in zip(header, row):
             if title in titles:
-                one = by_cell[scene, title]
-                value, low, high = [*one.seconds, *[float("nan")] * 3][:3]
-                printed = numerals.estimate(Estimate(value, low, high, one.n, 1.0), 1000)
-                assert cell == printed if one.n else not cell[0].isdigit()
+                time = by_cell[scene, title]
+                value, low, high = [*time.seconds, *[float("nan")] * 3][:3]
+                printed = numerals.estimate(Estimate(value, low, high, time.n, 1.0), 1000)
+                assert cell == printed if time.n else not cell[0].isdigit()
 
 
 def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
@@ -161,14 +161,16 @@ def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
             )
             == 0
         )
-    points = {(one.scene, one.label): one for one in winners.read("points_speed.md", tmp_path)}
-    scan, other = points["overlapping_100K", "scan"], points["noisy_100K", "scipy_ckdtree"]
+    points = {(time.scene, time.label): time for time in winners.read("points_speed.md", tmp_path)}
+    scan, kdtree = points["overlapping_100K", "scan"], points["noisy_100K", "scipy_ckdtree"]
     assert (
         [numerals.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"]
         and scan.name == "`scan`"
         and scan.apart == ""
     )
-    assert other.seconds == pytest.approx([0.08]) and other.n == 1 and other.name == "SciPy cKDTree"
+    assert (
+        kdtree.seconds == pytest.approx([0.08]) and kdtree.n == 1 and kdtree.name == "SciPy cKDTree"
+    )
     assert (
         points["noisy_100K", "earlybreak"].n == 0 and not points["noisy_100K", "earlybreak"].seconds
     )
@@ -205,11 +207,11 @@ def test_a_scene_is_one_race_at_its_largest_tolerance(tmp_path: Path) -> None:
     assert (
         paper_profile.main(["mesh_peers", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     )
-    found = winners.race(winners.read("mesh_peers.md", tmp_path))
+    race = winners.race(winners.read("mesh_peers.md", tmp_path))
     assert (
-        found.scenes == 1
-        and list(found.won) == ["`cover`"]
-        and found.won["`cover`"] == pytest.approx([10.0])
+        race.scenes == 1
+        and list(race.won) == ["`cover`"]
+        and race.won["`cover`"] == pytest.approx([10.0])
     )
 
 

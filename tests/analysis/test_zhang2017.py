@@ -239,9 +239,9 @@ def test_time_rises_as_the_distance_falls(
 ) -> None:
     times = [[(10.0 - abs(i - 3)) ** power] * rounds for i in range(7)]
     work = [int(100 * time[0]) for time in times]
-    found = motion_of(times, tmp_path, work).nearer("earlybreak")
-    assert f"it {found.outcome}".endswith(outcome) and {
-        one.outcome for one in found.counted.values()
+    verdict = motion_of(times, tmp_path, work).nearer("earlybreak")
+    assert f"it {verdict.outcome}".endswith(outcome) and {
+        count.outcome for count in verdict.counted.values()
     } == {
         "not judged"
     }  # one seed is one draw
@@ -748,8 +748,8 @@ def test_rounds_are_few_however_many_the_repeats(tmp_path: Path) -> None:
             upper=1.0,
         )
     results = load.load(file.write(tmp_path))
-    found = cells.compare(cells.Cell(results, [0]), cells.Cell(results, [1]))
-    assert found.n == 2 and not found.separated and found.value == pytest.approx(2.0)
+    ratio = cells.compare(cells.Cell(results, [0]), cells.Cell(results, [1]))
+    assert ratio.n == 2 and not ratio.separated and ratio.value == pytest.approx(2.0)
 
 
 def test_clocks_are_named(tmp_path: Path) -> None:
@@ -800,13 +800,13 @@ def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = N
 def test_a_peak_can_come_out_three_ways(
     level: list[int], rounds: int, outcome: str, tmp_path: Path
 ) -> None:
-    times = [
-        [y * (1 + 0.01 * ((7 * i + 3 * j) % 5)) for j in range(rounds)] for i, y in enumerate(level)
-    ]
-    found = motion_of(times, tmp_path, [1000 * y - i for i, y in enumerate(level)]).peak(
+    times = []
+    for i, y in enumerate(level):
+        times.append([y * (1 + 0.01 * ((7 * i + 3 * j) % 5)) for j in range(rounds)])
+    verdict = motion_of(times, tmp_path, [1000 * y - i for i, y in enumerate(level)]).peak(
         "earlybreak"
     )
-    assert found.outcome == outcome
+    assert verdict.outcome == outcome
 
 
 def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
@@ -866,8 +866,8 @@ def test_poses_are_no_independent_trials(tmp_path: Path) -> None:
             extras='{"alpha": -1.0}',
         )
     motion = Motion(load.load(file.write(tmp_path)), "ring")
-    found = motion.ratio("apart", "earlybreak", "nohd")
-    assert found.n == 3 and not found.separated
+    ratio = motion.ratio("apart", "earlybreak", "nohd")
+    assert ratio.n == 3 and not ratio.separated
 
 
 def test_memory_grows(make: Make) -> None:
@@ -944,7 +944,7 @@ def test_a_rival_without_a_peak_is_no_lesser_one(
 
 
 @pytest.mark.parametrize(
-    ("inc", "other", "outcome"),
+    ("inc", "kdtree", "outcome"),
     [
         (100.0, 80.0, "holds"),
         (100.0, 120.0, "does not hold"),
@@ -953,10 +953,10 @@ def test_a_rival_without_a_peak_is_no_lesser_one(
     ],
 )
 def test_memory_is_told_apart_only_beyond_what_runs_differ_by(
-    inc: float, other: float, outcome: str, make: Make
+    inc: float, kdtree: float, outcome: str, make: Make
 ) -> None:
     file = ResultFile("zhang2017_memory")
-    for solver, peak in (("inc", inc), ("kdtree", other)):
+    for solver, peak in (("inc", inc), ("kdtree", kdtree)):
         file.case(
             solver, "similar, 1M", [0.1], peak_bytes=int(peak * 2**20), lower=1.0, upper=1.0
         )

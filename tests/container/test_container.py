@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 BASE = ROOT / "build/on/bookworm"  # the root of tools/on
 LARGEST_MB = 60  # of the layers above the base
-asked = pytest.mark.skipif(
+on_request = pytest.mark.skipif(
     "HAUSBENCH_CONTAINER" not in os.environ,
     reason="it takes a quarter of an hour: make test-container",
 )
@@ -22,14 +22,14 @@ asked = pytest.mark.skipif(
 
 def stages(text: str) -> list[list[tuple[str, str]]]:
     """Returns the instructions of each stage after its FROM: [("RUN", "make build"), ...]."""
-    found: list[list[tuple[str, str]]] = []
+    instructions: list[list[tuple[str, str]]] = []
     for line in text.splitlines():
         word, _, rest = line.partition(" ")
         if word == "FROM":
-            found.append([])
+            instructions.append([])
         elif word.isupper():
-            found[-1].append((word, rest))
-    return found
+            instructions[-1].append((word, rest))
+    return instructions
 
 
 def on(*commands: str, again: bool = True) -> str:
@@ -65,7 +65,7 @@ def test_the_file_is_read() -> None:
     assert any("make build" in rest for word, rest in build if word == "RUN")
 
 
-@asked
+@on_request
 def test_the_steps_in_bare_roots(tmp_path: Path) -> None:
     build, final = stages((ROOT / "Containerfile").read_text())
     (source, target) = (
@@ -79,22 +79,22 @@ def test_the_steps_in_bare_roots(tmp_path: Path) -> None:
     shutil.copytree(tmp_path / "made", BASE / target.lstrip("/"), symlinks=True, dirs_exist_ok=True)
     on(*[rest for word, rest in final if word == "RUN"])
     assert megabytes(BASE) - before < LARGEST_MB
-    said = on(
+    output = on(
         "printf 'OFF\\n3 1 0\\n0 0 0\\n1 0 0\\n0 1 0\\n3 0 1 2\\n' > /tmp/a.off; hausbench measure /tmp/a.off /tmp/a.off"
     )
-    assert re.search(r"h\(A,B\) in \[0, ", said)
+    assert re.search(r"h\(A,B\) in \[0, ", output)
     assert "cgal 5." in (BASE / "usr/local/share/hausbench/container.txt").read_text()
 
 
-@asked
+@on_request
 def test_by_podman() -> None:
     if not shutil.which("podman"):
         pytest.skip("podman is not installed")
     subprocess.run(["podman", "build", "-t", "hausbench-test", "."], cwd=ROOT, check=True)
-    said = subprocess.run(
+    output = subprocess.run(
         ["podman", "run", "--rm", "hausbench-test", "list"],
         capture_output=True,
         text=True,
         check=True,
     ).stdout
-    assert "cover" in said
+    assert "cover" in output

@@ -212,13 +212,13 @@ def layouts(content: bytes) -> dict[str, dict[str, bytes]]:
         ".xz": lzma.compress(content),
         ".bz2": bz2.compress(content),
     }
-    found = {
+    members = {
         "plain": {"./usr/share/a.obj": content},
         "moved": {"opt/a.obj": content},
         "beside others": {"a.obj": b"another", "b/a.obj": content},
     }
-    found |= {ending: {f"usr/share/a.obj{ending}": data} for ending, data in packed.items()}
-    return found | {
+    members |= {ending: {f"usr/share/a.obj{ending}": data} for ending, data in packed.items()}
+    return members | {
         "in an archive": {"doc/data.tar.gz": tar({"data/a.obj": content}, "w:gz")},
         "packed in a moved archive": {
             "data.tar.gz": tar(
@@ -610,9 +610,9 @@ def test_an_experiment_brings_what_it_names(
     file.write_text(f"[[scene]]\n{scene}\n")
     for profile, kept in (("quick", quick), ("paper", paper)):
         shutil.rmtree(world.cache, ignore_errors=True)
-        asked = fetch.Asked(experiments=(file,), profile=profile)
+        request = fetch.Asked(experiments=(file,), profile=profile)
         assert (
-            fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked)
+            fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), request)
             == 0
         )
         assert kept_of(world) == kept, profile
@@ -648,14 +648,14 @@ def test_damaged_files_are_found_and_fetched_again(
     world: World, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with_corpus(world)
-    asked = fetch.Asked(corpus=True, check=True)
+    request = fetch.Asked(corpus=True, check=True)
     assert (
-        fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked) == 0
+        fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), request) == 0
     )
     (world.cache / "raw" / sha(b"b") / "b.obj").write_bytes(b"damaged")
     assert world.fetch() == 0 and kept_of(world) == "acdamaged"
     assert (
-        fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked) == 0
+        fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), request) == 0
     )
     assert kept_of(world) == "abc" and "model b:" in capsys.readouterr().err
 
@@ -694,12 +694,12 @@ def as_shipped(catalogue: fetch.Catalogue, name: str) -> dict[str, Any]:
 
 def test_the_corpus_of_the_project() -> None:
     catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
-    own = {
+    models = {
         name: table
         for name, table in tomllib.loads((DATASETS / "corpus.toml").read_text())["model"].items()
     }
     assert len(catalogue.corpus) == len(set(catalogue.corpus)) >= 330
-    for name, table in own.items():
+    for name, table in models.items():
         assert re.fullmatch(r"corpus_[a-z0-9_]+", name)
         assert table.keys() == REAL_KEYS - {"note"} | {"triangles"}, name
         assert table["source"] in ("debian", "npm") and re.fullmatch(
@@ -711,7 +711,7 @@ def test_the_corpus_of_the_project() -> None:
         assert is_a_path_of_unpacked_content(table["path"]), name
         assert 200 <= table["triangles"] <= 120_000, name
     # Each file is listed once, either in the manifest or in the corpus.
-    hashes = [table["sha256"] for table in [*REAL.values(), *own.values()]]
+    hashes = [table["sha256"] for table in [*REAL.values(), *models.values()]]
     assert len(set(hashes)) == len(hashes)
     assert all(
         as_shipped(catalogue, name)["source"] in ("debian", "npm") for name in catalogue.corpus
@@ -726,10 +726,12 @@ def test_the_corpus_of_the_project() -> None:
 def test_the_sweeps_over_all_meshes_of_the_packages(stem: str) -> None:
     catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
     file = DATASETS.parent / "experiments" / "corpus" / f"{stem}.toml"
-    quick, every = (
-        [name for name in fetch.asked_by(file, profile, catalogue) if name in catalogue.whole]
-        for profile in ("quick", "corpus")
-    )
+
+    def whole_of(profile: str) -> list[str]:
+        names = fetch.asked_by(file, profile, catalogue)
+        return [name for name in names if name in catalogue.whole]
+
+    quick, every = whole_of("quick"), whole_of("corpus")
     assert (
         len(quick) == 40 and set(quick) < set(every) == set(catalogue.whole) and len(every) == 806
     )
@@ -743,11 +745,11 @@ def test_the_sweeps_over_the_corpus(stem: str, quick: int, paper: int) -> None:
     catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
     file = DATASETS.parent / "experiments" / "sacht2024" / f"{stem}.toml"
     for profile, count in (("quick", quick), ("paper", paper)):
-        asked = [
+        names = [
             name for name in fetch.asked_by(file, profile, catalogue) if name in catalogue.corpus
         ]
-        assert len(asked) == count, profile
-        most = max(as_shipped(catalogue, name)["triangles"] for name in asked)
+        assert len(names) == count, profile
+        most = max(as_shipped(catalogue, name)["triangles"] for name in names)
         assert profile == "paper" or most <= (5000 if quick == 20 else 500)
 
 

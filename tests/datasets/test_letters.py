@@ -59,13 +59,14 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
 
     normals = [product(minus(at[b], at[a]), minus(at[c], at[a])) for a, b, c in faces]
     assert all(normal != (0, 0, 0) for normal in normals)
-    upper = [
-        normal for normal, face in zip(normals, faces) if all(vertices[i][2] == depth for i in face)
-    ]
-    lower = [
-        normal for normal, face in zip(normals, faces) if all(vertices[i][2] == 0 for i in face)
-    ]
-    assert all(normal[2] > 0 for normal in upper) and all(normal[2] < 0 for normal in lower)
+
+    def flat_at(face: tuple[int, int, int], height: Fraction | int) -> bool:
+        return all(vertices[i][2] == height for i in face)
+
+    upper = [normal for normal, face in zip(normals, faces) if flat_at(face, depth)]
+    lower = [normal for normal, face in zip(normals, faces) if flat_at(face, 0)]
+    assert all(normal[2] > 0 for normal in upper)
+    assert all(normal[2] < 0 for normal in lower)
     cap = Fraction(sum(normal[2] for normal in upper), 2 * unit**2)
     assert cap == -Fraction(sum(normal[2] for normal in lower), 2 * unit**2) and (
         area is None or cap == area

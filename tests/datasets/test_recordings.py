@@ -11,14 +11,17 @@ ROOT = Path(__file__).resolve().parents[2]
 MODELS = tomllib.loads((ROOT / "datasets" / "manifest.toml").read_text())["model"]
 
 
+DOMINOES = [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"]
+BUNNIES = ["bunny_1k"] * 50
+
+
 @pytest.mark.parametrize(
     ("stem", "objects"),
     [
-        *(
-            (f"alphabet_domino{kind}", [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"])
-            for kind in ("", "_soft")
-        ),
-        *((f"falling_bunnies{kind}", ["bunny_1k"] * 50) for kind in ("", "_soft")),
+        ("alphabet_domino", DOMINOES),
+        ("alphabet_domino_soft", DOMINOES),
+        ("falling_bunnies", BUNNIES),
+        ("falling_bunnies_soft", BUNNIES),
     ],
 )
 def test_recordings(stem: str, objects: list[str]) -> None:

@@ -122,8 +122,8 @@ def replay(target: str) -> bool:
 
 def number(pattern: str, text: str) -> int:
     """Returns the number in the last match of the pattern, or 0."""
-    found = re.findall(pattern, text)
-    return int(found[-1]) if found else 0
+    matches = re.findall(pattern, text)
+    return int(matches[-1]) if matches else 0
 
 
 def fuzz(target: str, folder: Path, seed: int, limits: list[str]) -> dict[str, str | int | float]:

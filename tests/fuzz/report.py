@@ -44,7 +44,7 @@ def main(files: list[str]) -> int:
         ROOT / "results" / "reference" / "fuzzing.jsonl",
         ROOT / "build" / "fuzz" / "totals.jsonl",
     ]
-    paths = [Path(file) for file in files] or [path for path in usual if path.is_file()]
+    paths = list(map(Path, files)) or [path for path in usual if path.is_file()]
     if missing := [path for path in paths if not path.is_file()]:
         print(f"report: {missing[0]} is missing: run `make fuzz`", file=sys.stderr)
         return 2

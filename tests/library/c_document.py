@@ -22,19 +22,19 @@ class Block(NamedTuple):
 
 
 def blocks(text: str) -> list[Block]:
-    found = []
+    parsed = []
     for section in re.split(r"^## ", text, flags=re.MULTILINE):
         title, files, used = section.split("\n", 1)[0], dict[str, str](), True
         for language, block in BLOCK.findall(section):
             if used := language == "sh":
-                found.append(Block(title, dict(files), block))
+                parsed.append(Block(title, dict(files), block))
             else:
                 name = NAME.match(block)
                 assert name, f"the first line of this block does not name its file: {block}"
                 files[name[1]] = block
         if not used:
-            found.append(Block(title, files, ""))
-    return found
+            parsed.append(Block(title, files, ""))
+    return parsed
 
 
 def write(files: dict[str, str], folder: Path) -> None:

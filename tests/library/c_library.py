@@ -50,7 +50,7 @@ def compiled(folder: Path, source: str, *options: str, compiler: str = "cc") -> 
     return program
 
 
-def found(program: str) -> str:
+def path_of(program: str) -> str:
     path = shutil.which(program)
     if not path:
         pytest.skip(f"{program} is not installed")

@@ -24,7 +24,7 @@ def members(body: str) -> list[str]:
     names = []
     for declaration in filter(str.strip, body.split(";")):
         function = POINTER_TO_FUNCTION.search(declaration)
-        names += [function[1]] if function else [re.search(r"(\w+)(\[\d+\])?$", one.strip())[1] for one in declaration.split(",")]  # type: ignore[index]
+        names += [function[1]] if function else [re.search(r"(\w+)(\[\d+\])?$", declarator.strip())[1] for declarator in declaration.split(",")]  # type: ignore[index]
     return names
 
 
@@ -47,20 +47,20 @@ def layout(header: str, folder: Path) -> list[str]:
 def declarations(header: str) -> list[str]:
     """Returns all that a header declares or defines, in its order, one to a line, without comments
     and with single spaces."""
-    found, open_text = [], ""
+    declared, open_text = [], ""
     for line in COMMENT.sub("", header).replace("\\\n", " ").splitlines():
         if (
             line.startswith("#")
             or line == 'extern "C" {'
             or (line == "}" and not open_text.strip())
         ):
-            found.append(" ".join(line.split()))
+            declared.append(" ".join(line.split()))
             continue
         open_text = f"{open_text} {line}"
         if line.rstrip().endswith(";") and open_text.count("{") == open_text.count("}"):
-            found.append(" ".join(open_text.split()))
+            declared.append(" ".join(open_text.split()))
             open_text = ""
-    return found
+    return declared
 
 
 def symbols(library: Path) -> list[str]:
@@ -113,9 +113,9 @@ def test_a_planted_change_is_found(before: str, after: str, library: Path, tmp_p
 
 def test_every_declared_function_is_exported_and_no_other(library: Path) -> None:
     declared = {
-        re.search(r"(\w+)\(", one)[1]  # type: ignore[index]
-        for one in declarations(HEADER.read_text())
-        if one.startswith("HAUSBENCH_API ")
+        re.search(r"(\w+)\(", declaration)[1]  # type: ignore[index]
+        for declaration in declarations(HEADER.read_text())
+        if declaration.startswith("HAUSBENCH_API ")
     }
     exported = {
         line.split()[-1].split("@")[0] for line in symbols(library) if not line.startswith("A ")

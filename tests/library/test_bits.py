@@ -95,6 +95,11 @@ def query(relative_to: int = 0, tolerance: float = 1e-6) -> Query:
     )
 
 
+def random_point(numbers: random.Random, size: float) -> str:
+    """Returns the coordinates of a point in the cube from -size to size."""
+    return " ".join(repr(numbers.uniform(-size, size)) for _ in range(3))
+
+
 def shape(seed: int, file: Path) -> Path:
     """Writes a mesh of random triangles, every third time a point set, of one of several sizes; the
     first is a single point."""
@@ -103,10 +108,7 @@ def shape(seed: int, file: Path) -> Path:
     points = (
         ["0.25 0.5 0.125"]
         if seed == 0
-        else [
-            " ".join(repr(numbers.uniform(-size, size)) for _ in range(3))
-            for _ in range(3 * triangles)
-        ]
+        else [random_point(numbers, size) for _ in range(3 * triangles)]
     )
     faces = (
         [] if seed % 3 == 0 else [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(triangles)]
@@ -130,45 +132,54 @@ def test_bits(seed: int, library: Path, build: Path, tmp_path: Path) -> None:
         )
 
     for relative_to, unit in enumerate(["diagonal", "absolute", "lower"]):
-        given = (
+        unit_options = (
             [] if relative_to == 0 else ["--of", unit]
         )  # a diagonal of 0 is an error if it is asked for
         for name in ("directed", "symmetric"):
             ours.call(name, pair, byref(query(relative_to)), byref(answer))
-            theirs = measured(*given, *(["--symmetric"] if name == "symmetric" else []))
+            by_program = measured(*unit_options, *(["--symmetric"] if name == "symmetric" else []))
             assert [answer.bounds.lower, answer.bounds.upper] == [
-                theirs["lower"],
-                theirs["upper"],
+                by_program["lower"],
+                by_program["upper"],
             ], (name, unit)
             assert [answer.source_row, answer.target_row] == [
-                theirs["source_element"],
-                theirs["target_element"],
+                by_program["source_element"],
+                by_program["target_element"],
             ]
     length = 0.9 * answer.bounds.lower
     ours.call("within", pair, 0, c_double(length), None, byref(answer))
-    theirs = measured("--cutoff", repr(length))
-    assert [answer.bounds.lower, answer.bounds.upper] == [theirs["lower"], theirs["upper"]]
+    by_program = measured("--cutoff", repr(length))
+    assert [answer.bounds.lower, answer.bounds.upper] == [by_program["lower"], by_program["upper"]]
     names = [b"mean", b"rms", b"quantile 0.95", b"within 0.5"]
     values = (Interval * 4)()
-    given = [] if seed else ["--of", "absolute"]  # the box of a single point has no diagonal
-    one = query(1 if given else 0, 1e-3)
+    unit_options = [] if seed else ["--of", "absolute"]  # the box of a single point has no diagonal
+    question = query(1 if unit_options else 0, 1e-3)
     ours.call(
-        "distribution", pair, (c_char_p * 4)(*names), c_size_t(4), byref(one), values, byref(answer)
+        "distribution",
+        pair,
+        (c_char_p * 4)(*names),
+        c_size_t(4),
+        byref(question),
+        values,
+        byref(answer),
     )
-    theirs = measured(
-        "--tolerance", "1e-3", *given, "--statistics", ",".join(name.decode() for name in names)
+    by_program = measured(
+        "--tolerance",
+        "1e-3",
+        *unit_options,
+        "--statistics",
+        ",".join(name.decode() for name in names),
     )
-    found = theirs["distribution"]
-    assert isinstance(found, dict)
+    distribution = by_program["distribution"]
+    assert isinstance(distribution, dict)
     expected = [
-        found["mean"],
-        found["rms"],
-        found["quantiles"]["0.95"],
-        found["share_within"]["0.5"],
+        distribution["mean"],
+        distribution["rms"],
+        distribution["quantiles"]["0.95"],
+        distribution["share_within"]["0.5"],
     ]
-    assert [[value.lower, value.upper] for value in values] == [
-        [bounds["lower"], bounds["upper"]] for bounds in expected
-    ]
+    expected_bounds = [[bounds["lower"], bounds["upper"]] for bounds in expected]
+    assert [[value.lower, value.upper] for value in values] == expected_bounds
     ours.functions.hausbench_pair_release(pair)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from c_document import PAGE, Block, blocks, write
-from c_library import found
+from c_library import path_of
 
 BLOCKS = blocks(PAGE.read_text(encoding="utf-8"))
 INSTALL, BUILD = (
@@ -54,7 +54,7 @@ def wrong(files: dict[str, str], commands: str, prefix: Path, folder: Path) -> s
 def test_the_block_runs(block: Block, prefix: Path, tmp_path: Path) -> None:
     for program in OPTIONAL:
         if re.search(rf"\b{program} ", block.commands):
-            found(program)
+            path_of(program)
     assert wrong(block.files, block.commands, prefix, tmp_path) == ""
 
 

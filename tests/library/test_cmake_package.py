@@ -150,7 +150,7 @@ def test_hausbench_as_a_part_of_a_project(tmp_path: Path) -> None:
         for block in blocks(PAGE.read_text(encoding="utf-8"))
         if block.section == "The CMake package"
     )
-    own = "include(CTest)\nadd_test(NAME own COMMAND distance)\ninstall(TARGETS distance)\n"
+    additions = "include(CTest)\nadd_test(NAME own COMMAND distance)\ninstall(TARGETS distance)\n"
     text = files["CMakeLists.txt"].replace(
         "LANGUAGES C)", "LANGUAGES C CXX)"
     )  # so that both caches have the entries of C++
@@ -158,7 +158,7 @@ def test_hausbench_as_a_part_of_a_project(tmp_path: Path) -> None:
     for folder, project in ((tmp_path / "alone", without), (tmp_path / "with", text)):
         folder.mkdir()
         write(
-            {"CMakeLists.txt": project + own, "distance.c": "int main(void) { return 0; }\n"},
+            {"CMakeLists.txt": project + additions, "distance.c": "int main(void) { return 0; }\n"},
             folder,
         )
         (folder / "hausbench").symlink_to(ROOT)

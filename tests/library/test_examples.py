@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from c_library import ROOT, found, run
+from c_library import ROOT, path_of, run
 
 EXAMPLES = ROOT / "library" / "examples"
 INTERVAL = re.compile(r"h\(A,B\) in \[(\S+), (\S+)\]")
@@ -18,9 +18,8 @@ INTERVAL = re.compile(r"h\(A,B\) in \[(\S+), (\S+)\]")
 def mesh(seed: int, triangles: int, file: Path, size: float = 1) -> Path:
     numbers = random.Random(seed)
     lines = ["OFF", f"{3 * triangles} {triangles} 0"]
-    lines += [
-        " ".join(repr(numbers.uniform(-size, size)) for _ in range(3)) for _ in range(3 * triangles)
-    ]
+    for _ in range(3 * triangles):
+        lines.append(" ".join(repr(numbers.uniform(-size, size)) for _ in range(3)))
     lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(triangles)]
     file.write_text("\n".join(lines) + "\n")
     return file
@@ -48,7 +47,7 @@ def example(
         )
     else:
         done = run(
-            found("rustc"),
+            path_of("rustc"),
             "-O",
             "-D",
             "warnings",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from c_library import HEADER, compiled, found, run
+from c_library import HEADER, compiled, path_of, run
 
 WRAPPER = HEADER.with_suffix(".hpp").read_text()
 # Functions that it has no need of, and why.
@@ -59,6 +59,6 @@ int main() {
         f"-L{library.parent}",
         "-Wl,--no-as-needed",
         "-lhausbench",
-        compiler=found(compiler),
+        compiler=path_of(compiler),
     )
     assert run(program, library=library).returncode == 0

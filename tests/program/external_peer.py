@@ -24,16 +24,17 @@ def read(path: Path) -> tuple[Floats, npt.NDArray[np.int64]]:
     lines = path.read_text().splitlines()
     if path.suffix == ".obj":
         points = [line.split()[1:] for line in lines if line.startswith("v ")]
-        faces = [
-            [int(corner) - 1 for corner in line.split()[1:]]
-            for line in lines
-            if line.startswith("f ")
-        ]
+        rows = [line for line in lines if line.startswith("f ")]
+        first = 1  # OBJ counts vertices from 1
     else:
         assert lines[0] == "OFF"
         n, m, _ = map(int, lines[1].split())
         points = [line.split() for line in lines[2 : 2 + n]]
-        faces = [[int(corner) for corner in line.split()[1:]] for line in lines[2 + n : 2 + n + m]]
+        rows = lines[2 + n : 2 + n + m]
+        first = 0
+    faces = []
+    for row in rows:
+        faces.append([int(corner) - first for corner in row.split()[1:]])
     vertices = np.array(points, dtype=np.float64)
     return vertices, np.array(faces or [[i, i, i] for i in range(len(vertices))], dtype=np.int64)
 
@@ -55,8 +56,8 @@ def to_triangles(p: Floats, corners: Floats) -> Floats:
     height = np.einsum("ij,ij->i", p - a, unit)
     foot = p - height[:, None] * unit
     inside = length > 0
-    for one, other in ((a, b), (b, c), (c, a)):
-        inside &= np.einsum("ij,ij->i", np.cross(other - one, foot - one), unit) >= 0
+    for start, end in ((a, b), (b, c), (c, a)):
+        inside &= np.einsum("ij,ij->i", np.cross(end - start, foot - start), unit) >= 0
     return np.where(inside, np.abs(height), best)
 
 

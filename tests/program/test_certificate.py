@@ -45,7 +45,7 @@ def number(value: int) -> bytes:
     return out + bytes([value])
 
 
-def one(k: int) -> bytes:
+def leaf(k: int) -> bytes:
     return number(k << 2 | 1)
 
 
@@ -106,7 +106,7 @@ def test_both_directions(
     spike.write_text(tetrahedron.read_text().replace("0 0 1\n3", "0 0 3\n3", 1))
     for of in ("diagonal", "lower"):
         file = tmp_path / "both"
-        asked = ("--symmetric", "--tolerance", "0.5", "--of", of)
+        options = ("--symmetric", "--tolerance", "0.5", "--of", of)
         done = hausbench(
             "measure",
             tetrahedron,
@@ -116,7 +116,7 @@ def test_both_directions(
             "--plugin",
             plugin,
             "--json",
-            *asked,
+            *options,
             "--certificate",
             file,
         )
@@ -149,7 +149,7 @@ def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path
     header, rest = read(proof)
     header["upper"] = 0.25 + 1e-12
     certificate = header["certificates"][0]
-    leaves = [one(k) for k in range(4)]
+    leaves = [leaf(k) for k in range(4)]
 
     def answer(trees: list[bytes], **changes: Any) -> tuple[int, str]:
         data = b"".join(trees)
@@ -175,7 +175,7 @@ def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path
     )
     assert (
         "triangle 2, node 0: a leaf names triangle 4 of 4 in the target"
-        in answer([*leaves[:2], one(4), leaves[3]])[1]
+        in answer([*leaves[:2], leaf(4), leaves[3]])[1]
     )
     assert (
         "a cut is not between the ends of its edge"
@@ -321,10 +321,10 @@ def test_mistakes(
 def test_mesh_solvers_write_proofs(
     hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, solver: str
 ) -> None:
-    for asked in ((), ("--symmetric",)):
+    for options in ((), ("--symmetric",)):
         file = tmp_path / solver
         done = hausbench(
-            "measure", tetrahedron, raised, "--solver", solver, *asked, "--certificate", file
+            "measure", tetrahedron, raised, "--solver", solver, *options, "--certificate", file
         )
         assert done.returncode == 0, done.stdout + done.stderr
         done = hausbench("verify", "--certificate", file)
@@ -348,16 +348,16 @@ def test_measure_warns_if_its_own_proof_is_refused(
 ) -> None:
     file = tmp_path / "mine"
     deed = ("--set", "at=0", "--set", f"how={how}") if how else ()
-    asked: tuple[str | Path, ...] = (
+    options: tuple[str | Path, ...] = (
         "--json",
         "--solver",
         "lies",
         "--plugin",
         outside / "libmisbehaving.so",
         *deed,
-        *["--in-process"] * in_process,
+        *(["--in-process"] if in_process else []),
     )
-    done = hausbench("measure", tetrahedron, raised, *asked, "--certificate", file)
+    done = hausbench("measure", tetrahedron, raised, *options, "--certificate", file)
     said = json.loads(done.stdout)
     checked = hausbench("verify", "--certificate", file)
     assert done.returncode == checked.returncode == (1 if how else 0)

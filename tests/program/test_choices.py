@@ -16,7 +16,7 @@ from test_show import result, seen  # noqa: F401  (fixtures)
 
 
 def chosen(hausbench: Program, file: Path, *where: str) -> list[dict[str, str]]:
-    arguments = [word for one in where for word in ("--where", one)]
+    arguments = [word for condition in where for word in ("--where", condition)]
     return list(csv.DictReader(io.StringIO(hausbench("show", file, "--csv", *arguments).stdout)))
 
 

@@ -69,16 +69,18 @@ def around(bounds: dict[str, float], value: float, gap: float = 1e-3) -> bool:
 def answered(hausbench: Program, *arguments: str | Path) -> dict[str, Any]:
     done = hausbench("measure", *arguments, "--of", "absolute", "--tolerance", "1e-4", "--json")
     assert done.returncode == 0, done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
+    answer: dict[str, Any] = json.loads(done.stdout)
     assert (
-        found["solver"] == "distribution" and found["certified"] and found["status"] == "converged"
+        answer["solver"] == "distribution"
+        and answer["certified"]
+        and answer["status"] == "converged"
     )
-    return found
+    return answer
 
 
 def test_all_statistics_of_one_side(hausbench: Program, plates: tuple[Path, Path]) -> None:
-    found = answered(hausbench, *plates, "--distribution")
-    statistics = found["distribution"]
+    answer = answered(hausbench, *plates, "--distribution")
+    statistics = answer["distribution"]
     assert (
         around(statistics["mean"], 0.5)
         and around(statistics["rms"], 3**-0.5)
@@ -89,10 +91,10 @@ def test_all_statistics_of_one_side(hausbench: Program, plates: tuple[Path, Path
         and around(statistics["quantiles"]["0.5"], 0.5)
         and around(statistics["quantiles"]["0.95"], 0.95)
     )
-    assert (found["lower"], found["upper"]) == (
+    assert (answer["lower"], answer["upper"]) == (
         statistics["mean"]["lower"],
         statistics["mean"]["upper"],
-    ) and found["direction"] == "distribution"
+    ) and answer["direction"] == "distribution"
     text = hausbench("measure", *plates, "--distribution").stdout
     for word in ("statistics mean", "median", "quantile 0.95", "all within the tolerance"):
         assert word in text
@@ -138,11 +140,11 @@ def test_vertices_count_once_each(hausbench: Program, plates: tuple[Path, Path])
 
 
 def test_shares_have_no_unit(hausbench: Program, plates: tuple[Path, Path]) -> None:
-    found = answered(hausbench, *plates, "--statistics", "within 0.99999999999")
+    answer = answered(hausbench, *plates, "--statistics", "within 0.99999999999")
     assert (
-        found["lower_of_diagonal"] is None
-        and found["upper_of_diagonal"] is None
-        and 0.99 < found["lower"] <= found["upper"] <= 1
+        answer["lower_of_diagonal"] is None
+        and answer["upper_of_diagonal"] is None
+        and 0.99 < answer["lower"] <= answer["upper"] <= 1
     )
     assert ", 1]" in hausbench("measure", *plates, "--statistics", "within 0.99999999999").stdout
 
@@ -179,9 +181,9 @@ def test_monte_carlo_that_is_stopped_keeps_only_whole_batches(
         "1",
         "--json",
     )
-    found = json.loads(done.stdout)
-    assert done.returncode == 0 and found["status"] == "time_limit", done.stdout
-    assert found["lower"] - 0.02 <= 0.5 <= found["upper"] + 0.02
+    answer = json.loads(done.stdout)
+    assert done.returncode == 0 and answer["status"] == "time_limit", done.stdout
+    assert answer["lower"] - 0.02 <= 0.5 <= answer["upper"] + 0.02
 
 
 def test_many_pairs(hausbench: Program, plates: tuple[Path, Path], tmp_path: Path) -> None:
@@ -238,7 +240,8 @@ def test_an_experiment_has_a_row_for_each_statistic(
     )
     assert status == ["ok"] * 12, list(zip(solver, statistic, status, texts(file, "cases/reason")))
     assert sorted(set(statistic)) == ["", "mean", "mean pooled", "quantile 0.95", "within 0.5"]
-    assert [q == "distribution" for q in quantity] == [s != "" for s in statistic]
+    for q, s in zip(quantity, statistic, strict=True):
+        assert (q == "distribution") == (s != "")
     assert (
         set(texts(file, "cases/lower_check")) == {"holds"} == set(texts(file, "cases/upper_check"))
     )

@@ -59,8 +59,8 @@ def fields_of(file: Path) -> Fields:
         }
 
 
-def same_fields(one: Path, other: Path) -> None:
-    a, b = fields_of(one), fields_of(other)
+def same_fields(first: Path, second: Path) -> None:
+    a, b = fields_of(first), fields_of(second)
     assert list(a) == list(b)
     for key in a:
         np.testing.assert_array_equal(a[key], b[key])
@@ -93,13 +93,13 @@ def test_every_answer_has_fields(hausbench: Program, moved: Path, tmp_path: Path
                 len(np.unique(fields[case, "element"])) // 2 + 2
             )  # of the sphere's mesh, by Euler's formula
             same = [
-                other
-                for other in range(6)
+                row
+                for row in range(6)
                 if np.array_equal(
-                    fields[case, "distance"][:corners], fields[other, "distance"][:corners]
+                    fields[case, "distance"][:corners], fields[row, "distance"][:corners]
                 )
             ]
-            assert {f["cases/pose_index"][other] for other in same} == {
+            assert {f["cases/pose_index"][row] for row in same} == {
                 f["cases/pose_index"][case]
             } and len(same) == 2
     # Without fields, cases have the same identities.
@@ -337,12 +337,9 @@ def read_by_meshio(file: Path) -> tuple[Any, Any, dict[str, Any], dict[str, Any]
     mesh = meshio.read(file)
     assert len(mesh.cells) <= 1 and mesh.points.dtype.itemsize == 8
     cells = mesh.cells[0].data if mesh.cells else None
-    return (
-        mesh.points,
-        cells,
-        {name: v.reshape(-1) for name, v in mesh.point_data.items()},
-        {name: v.reshape(-1) for name, [v] in mesh.cell_data.items()},
-    )
+    of_points = {name: v.reshape(-1) for name, v in mesh.point_data.items()}
+    of_cells = {name: v.reshape(-1) for name, [v] in mesh.cell_data.items()}
+    return mesh.points, cells, of_points, of_cells
 
 
 def test_vtk_is_read_by_another_library(

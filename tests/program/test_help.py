@@ -109,8 +109,8 @@ def test_script_and_program_know_the_same_options(hausbench: Program, verb: str)
         text=True,
         check=True,
     )
-    known = options(done.stdout.split("options:")[1])
-    assert known - {"--help"} == set(
+    listed = options(done.stdout.split("options:")[1])
+    assert listed - {"--help"} == set(
         re.findall(r"^  (--[a-z-]+)", help_of(hausbench, verb), flags=re.MULTILINE)
     )
 

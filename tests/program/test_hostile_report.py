@@ -292,18 +292,14 @@ def hostile(folder: Path, good: Path) -> tuple[Path, set[str]]:
     for place in (folder, results):
         secrets(place)
     shutil.copy(good / "good.h5", results)
-    for name, make in {
-        **FILES,
-        **{name: edited(change) for name, change in CHANGES.items()},
-        **{name: edited(change) for name, change in SHOWN.items()},
-    }.items():
+    edits = {name: edited(change) for name, change in (CHANGES | SHOWN).items()}
+    for name, make in (FILES | edits).items():
         make(results / f"{name}.h5", good / "good.h5")
     for k, (name, make) in enumerate(SHAPES.items()):  # before the good ones in the order of names
         originals = sorted((good / "cache" / "shapes").glob("*.h5"))
         make(shapes / f"!{name}.h5", originals[k % len(originals)])
-    named = {f"results/{name}.h5" for name in (*FILES, *CHANGES)} | {
-        f"shapes/!{name}.h5" for name in SHAPES
-    }
+    named = {f"results/{name}.h5" for name in (*FILES, *CHANGES)}
+    named |= {f"shapes/!{name}.h5" for name in SHAPES}
     return folder / "cache", named
 
 

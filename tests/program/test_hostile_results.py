@@ -68,8 +68,8 @@ def link(name: str, to: object) -> Change:
 
 def several(*changes: Change) -> Change:
     def change(f: h5py.File) -> None:
-        for one in changes:
-            one(f)
+        for apply in changes:
+            apply(f)
 
     return change
 
@@ -343,8 +343,8 @@ def many_values(file: Path) -> None:
 def of_another_model(file: Path) -> None:
     """The shape is complete and its content hash is right, but the cache's file name stands for
     another model."""
-    (other,) = (one for one in file.parent.glob("*.h5") if one != file)
-    shutil.copy(other, file)
+    (source,) = (path for path in file.parent.glob("*.h5") if path != file)
+    shutil.copy(source, file)
 
 
 @pytest.mark.parametrize(
@@ -445,19 +445,19 @@ def test_texts_of_a_file_do_not_steer_the_terminal(
         f["cases/upper"][:] = f["cases/upper"][:] * 2
         f["meta"].attrs["build"] = "\x1b[31m"
 
-    bad, other = rewritten(good, tmp_path / "bad.h5", escapes), rewritten(
+    bad, second = rewritten(good, tmp_path / "bad.h5", escapes), rewritten(
         good, tmp_path / "other.h5", other_answer
     )
     verbs: list[tuple[str | Path, ...]] = [
         ("verify", bad),
-        ("compare", bad, other),
-        ("merge", tmp_path / "out.h5", bad, other),
+        ("compare", bad, second),
+        ("merge", tmp_path / "out.h5", bad, second),
         ("show", bad),
         ("show", "--json", bad),
         ("show", "--summary", bad),
         ("show", bad, "--solver", "x"),
         ("compare", "--solver", "a", "b", bad),
-        ("merge", "--any-build", tmp_path / "any.h5", bad, other),
+        ("merge", "--any-build", tmp_path / "any.h5", bad, second),
     ]
     for verb in verbs:
         steers_nothing(hausbench(*verb))

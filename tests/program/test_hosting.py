@@ -16,7 +16,7 @@ def host(library: str) -> None:
     """Runs in a process of its own, without pytest."""
     heard: list[int] = []
     for number in SIGNALS:
-        signal.signal(number, lambda which, _: heard.append(which))
+        signal.signal(number, lambda caught, _: heard.append(caught))
     child = subprocess.Popen(["sleep", "60"])
     numbers = ctypes.c_double * 9
     bounded = ctypes.CDLL(library).bound_by_all_solvers(
@@ -28,8 +28,8 @@ def host(library: str) -> None:
     for number in SIGNALS:
         signal.raise_signal(number)
     assert heard == SIGNALS, "a signal handler is another one now"
-    own = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
-    assert own == [str(child.pid)], "there is another child"
+    children = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+    assert children == [str(child.pid)], "there is another child"
     child.kill()
     assert child.wait() == -signal.SIGKILL
 

@@ -46,11 +46,11 @@ def column(file: Path, name: str) -> list[int]:
 def test_several_at_a_time_give_the_answers_of_one_go(hausbench: Program, tmp_path: Path) -> None:
     for folder, more in (("one", ()), ("two", ("--jobs", "2"))):
         assert hausbench("run", SMOKE, "--results", tmp_path / folder, *more).returncode == 0
-    one, two = tmp_path / "one" / "smoke.h5", tmp_path / "two" / "smoke.h5"
-    assert repr(answers(one)) == repr(answers(two))
-    ran = [status in (b"ok",) for status in answers(two)[1]]
-    assert sum(ran) > 10 and [bool(said) for said in column(two, "side_by_side")] == ran
-    assert not any(column(one, "side_by_side"))
+    serial, parallel = tmp_path / "one" / "smoke.h5", tmp_path / "two" / "smoke.h5"
+    assert repr(answers(serial)) == repr(answers(parallel))
+    ran = [status in (b"ok",) for status in answers(parallel)[1]]
+    assert sum(ran) > 10 and [bool(said) for said in column(parallel, "side_by_side")] == ran
+    assert not any(column(serial, "side_by_side"))
 
 
 @needs_two_cores
@@ -119,15 +119,15 @@ z = 0.0
 @needs_two_cores
 def workers(folder: Path) -> list[int]:
     """Returns the process ids of workers whose command line names the folder."""
-    found = []
+    pids = []
     for process in Path("/proc").iterdir():
         try:
             words = (process / "cmdline").read_bytes()
         except OSError:
             continue
         if b"\0worker\0" in words and bytes(folder) in words:
-            found.append(int(process.name))
-    return found
+            pids.append(int(process.name))
+    return pids
 
 
 @needs_two_cores

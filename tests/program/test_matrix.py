@@ -38,7 +38,8 @@ def bumpy(seed: int, exponent: int, n: int = 9) -> str:
         for v in [n * y + x]
         for f in ((v, v + 1, v + n), (v + 1, v + n + 1, v + n))
     ]
-    lines = [f"{x!r} {y!r} {z!r}" for x, y, z in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    lines = [f"{x!r} {y!r} {z!r}" for x, y, z in vertices]
+    lines += [f"3 {a} {b} {c}" for a, b, c in faces]
     return f"OFF\n{len(vertices)} {len(faces)} 0\n" + "\n".join(lines) + "\n"
 
 
@@ -79,15 +80,17 @@ def test_pairs_have_the_same_bits_alone_and_in_the_matrix(
     for file in (matrix, alone):
         done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
         assert done.returncode == 0, done.stderr
-    one, other = tmp_path / "matrix.h5", tmp_path / "alone.h5"
-    assert len(texts(one, "cases/scene")) == 3 * 25 * 2
+    together, apart = tmp_path / "matrix.h5", tmp_path / "alone.h5"
+    assert len(texts(together, "cases/scene")) == 3 * 25 * 2
     for column in ("scene", "solver", "identity", "status", "lower_check", "upper_check"):
-        assert texts(one, f"cases/{column}") == texts(other, f"cases/{column}"), column
+        assert texts(together, f"cases/{column}") == texts(apart, f"cases/{column}"), column
     # earlybreak takes no meshes: "skipped". The tolerance of a tiny A near a large B is below
     # double precision: "floor".
-    statuses = [texts(one, "cases/status").count(status) for status in ("ok", "floor", "skipped")]
+    statuses = [
+        texts(together, "cases/status").count(status) for status in ("ok", "floor", "skipped")
+    ]
     assert sum(statuses) == 150 and statuses[2] == 50 and min(statuses) > 0
-    with h5py.File(one) as f:
+    with h5py.File(together) as f:
         counters = [name for name in f["cases"] if name.startswith("counter_")]
     for column in (
         "lower",
@@ -98,23 +101,22 @@ def test_pairs_have_the_same_bits_alone_and_in_the_matrix(
         *counters,
     ):
         np.testing.assert_array_equal(
-            numbers(one, f"cases/{column}"), numbers(other, f"cases/{column}"), err_msg=column
+            numbers(together, f"cases/{column}"), numbers(apart, f"cases/{column}"), err_msg=column
         )
-    ok = np.array([status in ("ok", "floor") for status in texts(one, "cases/status")])
-    assert (numbers(one, "cases/peak_bytes") == -1).all() and (
-        numbers(other, "cases/peak_bytes")[ok] >= 0
+    ok = np.array([status in ("ok", "floor") for status in texts(together, "cases/status")])
+    assert (numbers(together, "cases/peak_bytes") == -1).all() and (
+        numbers(apart, "cases/peak_bytes")[ok] >= 0
     ).all()
-    assert np.isfinite(numbers(one, "cases/prepare_seconds")[ok]).all()
+    assert np.isfinite(numbers(together, "cases/prepare_seconds")[ok]).all()
 
 
-def ledger(file: Path, what: str) -> list[tuple[str, str, int]]:
+def ledger(file: Path, left_out: str) -> list[tuple[str, str, int]]:
+    subjects, reasons = texts(file, "ledger/subject"), texts(file, "ledger/reason")
+    entries = zip(subjects, texts(file, "ledger/what"), reasons, numbers(file, "ledger/count"))
     return [
         (subject, reason, int(count))
-        for subject, w, reason, count in zip(
-            *(texts(file, f"ledger/{name}") for name in ("subject", "what", "reason")),
-            numbers(file, "ledger/count"),
-        )
-        if w == what
+        for subject, entry, reason, count in entries
+        if entry == left_out
     ]
 
 

@@ -244,9 +244,8 @@ def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
     lines = hausbench("measure", a, b, "--symmetric", "--of", of).stdout.splitlines()
     for name in ("h(A,B)", "h(B,A)", "H(A,B)"):
         assert sum(f"distance   {name} in [" in line for line in lines) == 1
-    assert any("of A's diagonal" in line for line in lines) and any(
-        "scan (certified)" in line for line in lines
-    )
+    assert any("of A's diagonal" in line for line in lines)
+    assert any("scan (certified)" in line for line in lines)
 
 
 def test_the_second_direction_is_not_stopped_by_the_first(
@@ -273,27 +272,27 @@ def test_what_was_measured_is_in_the_answer(
     assert source["elements"] == source["vertices"] == 4 and source["kind"] == "mesh"
     assert source["diagonal"] == pytest.approx(3**0.5) and source["float32"] is False
     assert 0 <= result["upper_of_diagonal"] - result["upper"] / source["diagonal"] < 1e-16
-    assert [one["direction"] for one in result["directions"]] == ["source to target"]
+    assert [direction["direction"] for direction in result["directions"]] == ["source to target"]
     assert measured(hausbench, tetrahedron, raised, "--solver", "cgal")["certified"] is False
 
 
 def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Path) -> None:
-    point, other, huge, tiny = (
+    point, pair, huge, tiny = (
         tmp_path / f"{name}.xyz" for name in ("point", "other", "huge", "tiny")
     )
     point.write_text("1 2 3\n")
-    other.write_text("1 2 3\n1 2 7\n")
+    pair.write_text("1 2 3\n1 2 7\n")
     huge.write_text("1.7e308 0 0\n-1.7e308 0 0\n")
     tiny.write_text("0 0 0\n5e-324 0 0\n")
-    one: Any = measured(hausbench, point, other)
+    answer: Any = measured(hausbench, point, pair)
     assert (
-        one["tolerance_of"] == "diagonal of both"
-        and one["tolerance_absolute"] == 4e-6
-        and one["upper_of_diagonal"] is None
+        answer["tolerance_of"] == "diagonal of both"
+        and answer["tolerance_absolute"] == 4e-6
+        and answer["upper_of_diagonal"] is None
     )
     assert (
         "of the diagonal of both shapes 4 (= 4e-06), since A has no extent"
-        in hausbench("measure", point, other).stdout
+        in hausbench("measure", point, pair).stdout
     )
     none: Any = measured(hausbench, point, point)
     assert (
@@ -304,12 +303,12 @@ def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Pat
     assert (
         "(a length, since neither shape has an extent)" in hausbench("measure", point, point).stdout
     )
-    assert measured(hausbench, other, point)["tolerance_of"] == "diagonal"
+    assert measured(hausbench, pair, point)["tolerance_of"] == "diagonal"
     for extreme in (huge, tiny):
         assert measured(hausbench, extreme, extreme)["lower"] == 0
     # A point has no extent to which a tolerance could be relative.
     for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
-        assert "its box has no" in hausbench.fails("measure", point, other, *given)
+        assert "its box has no" in hausbench.fails("measure", point, pair, *given)
     # If the product leaves the range of doubles, the tolerance is the nearest finite positive
     # number.
     for extreme, length in ((huge, sys.float_info.max), (tiny, 5e-324)):
@@ -388,16 +387,16 @@ def test_a_witness_that_nobody_computed_is_null(
 
 
 def test_in_this_process_or_another(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
-    one, other = (
+    separate, in_process = (
         measured(hausbench, tetrahedron, raised, "--symmetric", *more)
         for more in ((), ("--in-process",))
     )
     for timed in ("prepare_seconds", "solve_seconds", "peak_bytes"):
-        del one[timed], other[timed]
-    for result in (one, other):
+        del separate[timed], in_process[timed]
+    for result in (separate, in_process):
         for direction in result["directions"]:  # type: ignore[attr-defined]
             del direction["solve_seconds"]
-    assert one == other
+    assert separate == in_process
 
 
 def test_a_person_is_told_solver_and_tolerance(

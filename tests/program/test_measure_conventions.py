@@ -36,10 +36,9 @@ def off(folder: Path, name: str, scale: float = 1, turned: bool = False) -> Path
     """Writes the same tetrahedron, scaled; turned: with Y pointing up instead of Z."""
     file = folder / f"{name}.off"
     corners = [(x, z, -y) if turned else (x, y, z) for x, y, z in CORNERS]
-    file.write_text(
-        f"OFF\n4 4 0\n{''.join(f'{x * scale!r} {y * scale!r} {z * scale!r}{chr(10)}' for x, y, z in corners)}"
-        + "".join(f"3 {a} {b} {c}\n" for a, b, c in FACES)
-    )
+    lines = [f"{x * scale!r} {y * scale!r} {z * scale!r}\n" for x, y, z in corners]
+    lines += [f"3 {a} {b} {c}\n" for a, b, c in FACES]
+    file.write_text("OFF\n4 4 0\n" + "".join(lines))
     return file
 
 
@@ -93,23 +92,23 @@ def test_units_that_are_not_known_are_refused(hausbench: Program, tmp_path: Path
     ):
         files[name] = tmp_path / f"{name}.csv"
         files[name].write_text(f"{unit}\n3937,0,0\n")
-    for other in ("furlong", "mm"):
-        message = hausbench.fails("measure", files["px"], files[other])
+    for target in ("furlong", "mm"):
+        message = hausbench.fails("measure", files["px"], files[target])
         assert (
             "is in px" in message
-            and f"in {other}" in message
+            and f"in {target}" in message
             and "--unit none" in message
             and "--unit mm" not in message
         )
-        assert upper(measured(hausbench, files["px"], files[other], "--unit", "none")) == 0
+        assert upper(measured(hausbench, files["px"], files[target], "--unit", "none")) == 0
     message = hausbench.fails("measure", files["px"], files["none"], "--unit", "mm")
     assert (
         "px.csv" in message
         and "states the unit 'px', which is not known" in message
         and "--unit none" in message
     )
-    for other in ("none", "px"):
-        result = measured(hausbench, files["px"], files[other])
+    for target in ("none", "px"):
+        result = measured(hausbench, files["px"], files[target])
         assert upper(result) == 0 and "A: states the unit 'px', which is not known: its numbers count as they stand" in result["notes"]  # type: ignore[operator]
     result = measured(hausbench, files["feet"], files["none"], "--unit", "m")
     assert abs(upper(result) - (3937 - 1200)) < 1e-9
@@ -198,7 +197,7 @@ def test_a_common_factor_of_units_is_a_warning(
 ) -> None:
     warnings = measured(hausbench, off(tmp_path, "a"), off(tmp_path, "b", factor))["warnings"]
     assert isinstance(warnings, list)
-    assert any("same unit" in one and (words or "") in one for one in warnings) == (
+    assert any("same unit" in warning and (words or "") in warning for warning in warnings) == (
         words is not None
     ), warnings
 
@@ -210,8 +209,8 @@ def test_equal_sizes_far_apart_are_a_warning(hausbench: Program, tmp_path: Path)
     apart = measured(hausbench, a, a, "--transform-source", matrix)["warnings"]
     matrix.write_text("1 0 0 0\n0 1 0 0\n0 0 1 2.5\n0 0 0 1\n")
     over = measured(hausbench, a, a, "--transform-source", matrix)["warnings"]
-    assert isinstance(apart, list) and any("do not overlap" in one for one in apart)
-    assert isinstance(over, list) and not any("do not overlap" in one for one in over)
+    assert isinstance(apart, list) and any("do not overlap" in warning for warning in apart)
+    assert isinstance(over, list) and not any("do not overlap" in warning for warning in over)
 
 
 def test_points_that_are_not_finite_are_dropped_on_demand(
@@ -258,10 +257,10 @@ def test_statistics_of_segments_are_by_length_and_say_so(
 
 def test_each_format_is_described(hausbench: Program) -> None:
     formats = json.loads(hausbench("list", "--json").stdout)["formats"]
-    endings = [ending for one in formats for ending in one["endings"]]
+    endings = [ending for entry in formats for ending in entry["endings"]]
     assert len(endings) == len(set(endings)) and {"ply", "glb", "csv", "fbx"} <= set(endings)
-    for one in formats:
+    for entry in formats:
         for key in ("title", "reads", "refuses", "unit", "axes", "error"):
-            assert one[key], f"{one['title']}: {key} is empty"
-    assert all(one["title"] in hausbench("list", "formats").stdout for one in formats)
+            assert entry[key], f"{entry['title']}: {key} is empty"
+    assert all(entry["title"] in hausbench("list", "formats").stdout for entry in formats)
     assert hausbench("list", "gltf").stdout == hausbench("list", "glb").stdout

@@ -29,12 +29,12 @@ def rows(text: str) -> list[dict[str, str]]:
 def test_files_of_one_name_are_a_pair(hausbench: Program, folders: Path) -> None:
     done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
     assert done.returncode == 0, done.stderr
-    found = rows(done.stdout)
-    assert [(Path(row["A"]).stem, Path(row["B"]).stem) for row in found] == [
+    table = rows(done.stdout)
+    assert [(Path(row["A"]).stem, Path(row["B"]).stem) for row in table] == [
         ("one", "one"),
         ("two", "two"),
     ]
-    for row in found:
+    for row in table:
         alone = json.loads(hausbench("measure", row["A"], row["B"], "--json").stdout)
         assert (
             (float(row["lower"]), float(row["upper"])) == (alone["lower"], alone["upper"])
@@ -75,32 +75,32 @@ def test_no_cell_is_a_formula(hausbench: Program, folders: Path) -> None:
 def test_one_bad_file_costs_one_line(hausbench: Program, folders: Path) -> None:
     (folders / "a" / "two.off").write_text("OFF\n1 1 0\n0 0 0\n3 0 1 2\n")
     done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
-    one, two = rows(done.stdout)
+    good, bad = rows(done.stdout)
     assert (
         done.returncode == 1
-        and one["status"] == "converged"
-        and two["status"] == "error"
-        and "two.off:" in two["error"]
-        and two["lower"] == ""
+        and good["status"] == "converged"
+        and bad["status"] == "error"
+        and "two.off:" in bad["error"]
+        and bad["lower"] == ""
     )
 
 
 def test_a_file_without_a_partner_costs_one_line(hausbench: Program, folders: Path) -> None:
     (folders / "a" / "two.off").rename(folders / "a" / "other.off")
     done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
-    found = rows(done.stdout)
-    assert done.returncode == 1 and [row["status"] for row in found] == [
+    table = rows(done.stdout)
+    assert done.returncode == 1 and [row["status"] for row in table] == [
         "converged",
         "error",
         "error",
     ]
-    assert (Path(found[1]["A"]).name, found[1]["B"], found[2]["A"], Path(found[2]["B"]).name) == (
+    assert (Path(table[1]["A"]).name, table[1]["B"], table[2]["A"], Path(table[2]["B"]).name) == (
         "other.off",
         "",
         "",
         "two.obj",
     )
-    assert all("--pairs" in row["error"] and None not in row for row in found[1:])
+    assert all("--pairs" in row["error"] and None not in row for row in table[1:])
 
 
 def test_the_worst_place_and_both_directions_are_columns(hausbench: Program, folders: Path) -> None:
@@ -136,10 +136,10 @@ def test_every_column_and_key_is_explained(hausbench: Program, folders: Path) ->
     keys: set[str] = set(table)
 
     def collect(value: object) -> None:
-        for one in (
+        for item in (
             value if isinstance(value, list) else value.values() if isinstance(value, dict) else ()
         ):
-            collect(one)
+            collect(item)
         keys.update(value if isinstance(value, dict) else ())
 
     collect(
@@ -166,9 +166,9 @@ def test_a_list_of_pairs_and_a_question(hausbench: Program, folders: Path) -> No
     pairs.write_text(
         "# A, B\na/one.off, b/one.obj\n\nsphere1 sphere2  # models\na/two.off\tb/two.obj\n"
     )
-    found = rows(hausbench("measure", "--pairs", pairs).stdout)
-    assert len(found) == 3 and found[0]["lower"] == found[1]["lower"] and found[1]["A"] == "sphere1"
-    assert {row["quantity"] for row in found} == {"directed"}
+    table = rows(hausbench("measure", "--pairs", pairs).stdout)
+    assert len(table) == 3 and table[0]["lower"] == table[1]["lower"] and table[1]["A"] == "sphere1"
+    assert {row["quantity"] for row in table} == {"directed"}
     assert (
         rows(hausbench("measure", "--pairs", pairs, "--symmetric").stdout)[0]["quantity"]
         == "symmetric"
@@ -218,9 +218,9 @@ def test_models_have_names(hausbench: Program, tmp_path: Path) -> None:
 
 def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
     a, b = tmp_path / "a.obj", tmp_path / "b.obj"
-    one = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-    a.write_text(one + "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 4 5 6\n")
-    b.write_text(one)
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    a.write_text(triangle + "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 4 5 6\n")
+    b.write_text(triangle)
     said = json.loads(hausbench("measure", a, b, "--json").stdout)
     assert (said["source_element"], said["source_part"], said["target_part"]) == (1, 1, 0)
     assert (said["source"]["parts"], said["target"]["parts"]) == (2, 1)
@@ -243,12 +243,12 @@ def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None
     (tmp_path / "a" / "two.obj").write_text("v 0 0 0\nv 0.001 0 0\nv 0 0.001 0\nf 1 2 3\n")
     (tmp_path / "b" / "two.obj").write_text(whole)
     done = hausbench("measure", tmp_path / "a" / "*.obj", tmp_path / "b" / "*.obj")
-    one, two = rows(done.stdout)
+    first, second = rows(done.stdout)
     assert (
-        "6 of the 9 vertices of A belong to no triangle" in one["warnings"]
-        and "same unit" in two["warnings"]
+        "6 of the 9 vertices of A belong to no triangle" in first["warnings"]
+        and "same unit" in second["warnings"]
     )
-    assert one["error"] == two["error"] == "" and one["status"] == "converged"
+    assert first["error"] == second["error"] == "" and first["status"] == "converged"
     assert (
         len(
             json.loads(
@@ -296,8 +296,8 @@ def test_lists_as_other_programs_write_them(hausbench: Program, folders: Path) -
     line."""
     file = folders / "pairs.csv"
     file.write_text("A,B\na/one.off,b/one.obj\n")
-    found = rows(hausbench("measure", "--pairs", file).stdout)
-    assert [row["status"] for row in found] == ["converged"]
+    table = rows(hausbench("measure", "--pairs", file).stdout)
+    assert [row["status"] for row in table] == ["converged"]
     file.write_text("a/one.off,b/one.obj\na/one.off,b/one.obj,0.5\n")
     assert "pairs.csv:2: write A, then a comma, then B, and no more" in hausbench.fails(
         "measure", "--pairs", file

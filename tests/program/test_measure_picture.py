@@ -132,9 +132,9 @@ def test_identical_shapes_and_points_are_drawn(
         and out.exists()
     )
     points.write_text("0 0 0\n1 2 3\n4 4 4\n")
-    other = tmp_path / "other.xyz"
-    other.write_text("0 0 1\n1 2 2\n4 4 9\n")
-    assert hausbench("measure", points, other, "--picture", tmp_path / "points.png").returncode == 0
+    cloud = tmp_path / "other.xyz"
+    cloud.write_text("0 0 1\n1 2 2\n4 4 9\n")
+    assert hausbench("measure", points, cloud, "--picture", tmp_path / "points.png").returncode == 0
 
 
 def test_bands_contain_the_true_shares(hausbench: Program, tmp_path: Path) -> None:
@@ -171,7 +171,8 @@ def test_a_limit_shows_nothing_that_is_not_known(hausbench: Program, tmp_path: P
         lines = [
             f"{p} {q} {0.2 * np.sin(wave * p) * np.cos(wave * q)}"
             for p, q in zip(x.ravel(), y.ravel())
-        ] + [f"3 {i} {j} {k}" for i, j, k in faces]
+        ]
+        lines += [f"3 {i} {j} {k}" for i, j, k in faces]
         file.write_text("\n".join([f"OFF\n{n * n} {len(faces)} 0", *lines, ""]))
     upper = json.loads(hausbench("measure", a, b, "--json").stdout)["upper"]
     for limit in ("0", "0.1", "1", "1000"):

@@ -56,8 +56,8 @@ def told(file: Path) -> set[str]:
     with h5py.File(file, "r") as f:
         return {
             kind
-            for kind, what in zip(f["ledger/kind"].asstr()[:], f["ledger/what"].asstr()[:])
-            if what == "structures for each pose"
+            for kind, left_out in zip(f["ledger/kind"].asstr()[:], f["ledger/what"].asstr()[:])
+            if left_out == "structures for each pose"
         }
 
 

@@ -54,10 +54,10 @@ def own(tmp_path: Path) -> Path:
     return file
 
 
-def run(hausbench: Program, own: Path, *more: str | Path) -> Path:
-    done = hausbench("run", own, "--results", own.parent / "results", *more)
+def run(hausbench: Program, experiment: Path, *more: str | Path) -> Path:
+    done = hausbench("run", experiment, "--results", experiment.parent / "results", *more)
     assert done.returncode == 0, done.stderr
-    return own.parent / "results" / "mine.h5"
+    return experiment.parent / "results" / "mine.h5"
 
 
 def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> None:
@@ -72,13 +72,10 @@ def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> 
             )
         )
         names = list(f["models/name"].asstr()[:])
-        models = {
-            name: {
-                key: f[f"models/{key}"].asstr()[i]
-                for key in ("path", "file_sha256", "source", "note", "licence")
-            }
-            for i, name in enumerate(names)
-        }
+        models: dict[str, dict[str, str]] = {name: {} for name in names}
+        for key in ("path", "file_sha256", "source", "note", "licence"):
+            for name, value in zip(names, f[f"models/{key}"].asstr()[:]):
+                models[name][key] = value
         assert f["meta"].attrs["experiment_file"] == str(own)
     assert len(rows) == 5 and rows["mine", "clouds/other.csv"] == pytest.approx(3)
     assert rows["twice", "clouds/other.csv"] == pytest.approx(

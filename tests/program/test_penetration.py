@@ -48,7 +48,9 @@ name = "penetration"
 def box(
     file: Path, low: tuple[float, float, float], high: tuple[float, float, float], faces: int = 12
 ) -> Path:
-    corners = [[(high if i >> k & 1 else low)[k] for k in range(3)] for i in range(8)]
+    corners = []
+    for i in range(8):
+        corners.append([(high if i >> k & 1 else low)[k] for k in range(3)])
     triangles = [
         "0 2 1",
         "1 2 3",
@@ -63,11 +65,9 @@ def box(
         "1 3 5",
         "3 7 5",
     ][:faces]
-    file.write_text(
-        f"OFF\n8 {faces} 0\n"
-        + "".join(f"{x} {y} {z}\n" for x, y, z in corners)
-        + "".join(f"3 {t}\n" for t in triangles)
-    )
+    lines = [f"{x} {y} {z}\n" for x, y, z in corners]
+    lines += [f"3 {t}\n" for t in triangles]
+    file.write_text(f"OFF\n8 {faces} 0\n" + "".join(lines))
     return file
 
 

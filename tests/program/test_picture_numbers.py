@@ -52,15 +52,17 @@ class Drawn:
 
 
 def numbers_of(figure: Any) -> Drawn:
-    shape, *others = figure.axes
+    shape, *axes = figure.axes
     drawn = next(
-        one for one in shape.collections if isinstance(one, (PathCollection, PolyCollection))
+        artist
+        for artist in shape.collections
+        if isinstance(artist, (PathCollection, PolyCollection))
     )
     ring = np.concatenate(
         [np.ravel(line.get_data()) for line in shape.lines if line.get_marker() == "o"][:1]
     )
-    bar = next(one for one in others if one.get_label() == "<colorbar>")
-    panel = next((one for one in others if one is not bar), None)
+    bar = next(ax for ax in axes if ax.get_label() == "<colorbar>")
+    panel = next((ax for ax in axes if ax is not bar), None)
     empty = np.empty(0)
     if panel is None:
         return Drawn(
@@ -74,14 +76,16 @@ def numbers_of(figure: Any) -> Drawn:
         if str(patch.get_label()).endswith("is in here"):
             x = patch.get_extents().transformed(panel.transData.inverted())
             statistics[str(patch.get_label()).removeprefix("the ").split()[0]] = (x.x0, x.x1)
-    low = np.array([one.get_height() for one in sure])
+    low = np.array([rectangle.get_height() for rectangle in sure])
+    high = low + [rectangle.get_height() for rectangle in rest]
+    edges = np.array([rectangle.get_x() + rectangle.get_width() for rectangle in sure])
     return Drawn(
         np.array(drawn.get_facecolor()),
         bar.get_ylim(),
         ring,
         low,
-        low + [one.get_height() for one in rest],
-        np.array([one.get_x() + one.get_width() for one in sure]),
+        high,
+        edges,
         statistics,
         (*panel.get_xlim(), *panel.get_ylim()),
     )
@@ -103,9 +107,9 @@ def busy_machine() -> Iterator[None]:
     try:
         yield
     finally:
-        for one in beside:
-            one.kill()
-            one.wait()
+        for process in beside:
+            process.kill()
+            process.wait()
 
 
 def write(file: Path, corners: Floats, triangles: Any) -> Path:
@@ -120,7 +124,7 @@ def write(file: Path, corners: Floats, triangles: Any) -> Path:
 
 
 def grid(n: int, wave: float) -> tuple[Floats, Any]:
-    x, y = (one.ravel() for one in np.meshgrid(*2 * [np.linspace(0, 1, n)]))
+    x, y = (axis.ravel() for axis in np.meshgrid(*2 * [np.linspace(0, 1, n)]))
     corner = np.arange(n * n).reshape(n, n)[:-1, :-1].ravel()
     return (
         np.stack([x, y, 0.2 * np.sin(wave * x) * np.cos(wave * y)], 1),
@@ -146,7 +150,7 @@ def ball(n: int, bumps: float) -> tuple[Floats, Any]:
         ],
         -1,
     ).reshape(-1, 3)
-    i, j = (one.ravel() for one in np.meshgrid(np.arange(2 * n), np.arange(n - 1)))
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(2 * n), np.arange(n - 1)))
     a, b = 2 * n * j + i, 2 * n * j + (i + 1) % (2 * n)
     return corners, np.concatenate(
         [np.stack([a, a + 2 * n, b], 1), np.stack([b, a + 2 * n, b + 2 * n], 1)]
@@ -159,9 +163,9 @@ def pair(k: int, folder: Path) -> tuple[Path, Path]:
     n, random = (8, 20, 50, 110, 220)[k // 4 % 5], np.random.default_rng(k)
     if k % 4 == 3:
         clouds = [
-            scale * one / np.linalg.norm(one, axis=1)[:, None]
+            scale * points / np.linalg.norm(points, axis=1)[:, None]
             for scale in (1.0, 1.05)
-            for one in [random.standard_normal((4 * n * n, 3))]
+            for points in [random.standard_normal((4 * n * n, 3))]
         ]
         files = folder / f"{k}a.xyz", folder / f"{k}b.xyz"
         for file, cloud in zip(files, clouds):
@@ -207,10 +211,10 @@ def certain(program: str, a: Path, b: Path, edges: Floats) -> dict[str, Any]:
         "--share-tolerance=0.005",
         "--budget=2000000",
     ]
-    found: dict[str, Any] = json.loads(
+    answer: dict[str, Any] = json.loads(
         subprocess.run(words, capture_output=True, text=True, check=True).stdout
     )["distribution"]
-    return found
+    return answer
 
 
 @pytest.mark.parametrize("k", range(PICTURES))
@@ -221,29 +225,31 @@ def test_a_limit_draws_nothing_that_is_not_certain(
     free = draw(program_file, a, b, tmp_path / "free.png")
     assert free
     for limit in LIMITS[k % 3 :: 3]:
-        found = draw(program_file, a, b, tmp_path / "limited.png", f"--time-limit={limit}")
+        limited = draw(program_file, a, b, tmp_path / "limited.png", f"--time-limit={limit}")
         said = capfd.readouterr().err
-        if found is None:
+        if limited is None:
             continue
-        assert found.scale == free.scale
-        if not found.has_histogram:
+        assert limited.scale == free.scale
+        if not limited.has_histogram:
             assert "without a histogram" in said
             continue
-        truth, most = certain(program_file, a, b, found.edges), 1 + 1e-9
+        truth, most = certain(program_file, a, b, limited.edges), 1 + 1e-9
         assert (
-            (found.low >= 0).all()
-            and (found.low <= found.high).all()
-            and (found.high <= 100 * most).all()
-            and found.low.sum() <= 100 * most
+            (limited.low >= 0).all()
+            and (limited.low <= limited.high).all()
+            and (limited.high <= 100 * most).all()
+            and limited.low.sum() <= 100 * most
         )
-        assert found.frame[0] == 0 and found.frame[2] == 0 and found.frame[3] <= 105
-        shares = [truth["share_within"][one] for one in sorted(truth["share_within"], key=float)]
-        least = np.array([one["lower"] for one in shares])
-        greatest = np.array([one["upper"] for one in shares])
-        assert (found.low <= 100 * (greatest - np.append(0, least[:-1])) + 1e-9).all()
-        assert (found.high >= 100 * (least - np.append(0, greatest[:-1])) - 1e-9).all()
+        assert limited.frame[0] == 0 and limited.frame[2] == 0 and limited.frame[3] <= 105
+        shares = [
+            truth["share_within"][length] for length in sorted(truth["share_within"], key=float)
+        ]
+        least = np.array([share["lower"] for share in shares])
+        greatest = np.array([share["upper"] for share in shares])
+        assert (limited.low <= 100 * (greatest - np.append(0, least[:-1])) + 1e-9).all()
+        assert (limited.high >= 100 * (least - np.append(0, greatest[:-1])) - 1e-9).all()
         for name, bounds in (("mean", truth["mean"]), ("95", truth["quantiles"]["0.95"])):
-            left, right = found.statistics[name]
-            assert 0 <= left <= right <= found.edges[-1] / picture.END * most
-            width = 0.5 * picture.LINE * found.edges[-1] if left == right else 1e-9 * right
+            left, right = limited.statistics[name]
+            assert 0 <= left <= right <= limited.edges[-1] / picture.END * most
+            width = 0.5 * picture.LINE * limited.edges[-1] if left == right else 1e-9 * right
             assert left - width <= bounds["upper"] and right + width >= bounds["lower"]

@@ -759,9 +759,8 @@ def test_every_case_has_one_row(swept: Rows) -> None:
 def test_what_becomes_of_it(swept: Rows, deed: tuple[str, str]) -> None:
     status, said = DEEDS[deed]
     rows = swept[label(*deed)]
-    assert [row["status"] for row in rows] == ["ok", status, "ok", "ok"], [
-        row["reason"] for row in rows
-    ]
+    reasons = [row["reason"] for row in rows]
+    assert [row["status"] for row in rows] == ["ok", status, "ok", "ok"], reasons
     assert said in rows[1]["reason"] and "\n" not in rows[1]["reason"]
     for row, good in zip(rows, swept["guthe"]):
         if row["status"] == "ok":
@@ -809,13 +808,9 @@ def test_a_chain_that_breaks_keeps_what_came_before(
         ("crashes", "signal", "signal 11"),
         ("throws", "failed", "it was too hard"),
     ):
-        assert [row["status"] for row in rows[solver]] == ["ok", "ok", status, "failed"], [
-            row["reason"] for row in rows[solver]
-        ]
-        assert (
-            said in rows[solver][2]["reason"]
-            and "broke at an earlier pose" in rows[solver][3]["reason"]
-        )
+        reasons = [row["reason"] for row in rows[solver]]
+        assert [row["status"] for row in rows[solver]] == ["ok", "ok", status, "failed"], reasons
+        assert said in reasons[2] and "broke at an earlier pose" in reasons[3]
     assert [row["status"] for row in rows["at the head"]] == ["failed"] * 4
     with h5py.File(tmp_path / "breaking.h5") as f:
         timed = {int(case) for case in f["repeats/case"][:]}
@@ -866,9 +861,8 @@ def test_a_chain_is_waited_for_as_long_as_a_pass_takes(
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     rows = rows_of(tmp_path / "patient.h5")["dawdles"]
-    assert [row["status"] for row in rows] == 7 * ["timeout"] + ["ok"], [
-        row["reason"] for row in rows
-    ]
+    reasons = [row["reason"] for row in rows]
+    assert [row["status"] for row in rows] == 7 * ["timeout"] + ["ok"], reasons
     assert all("the bounds hold" in row["reason"] for row in rows[:7])
 
 
@@ -1039,13 +1033,13 @@ RESUMED = head() + '\n[[solver]]\nname = "vertex_only"\n'
 def test_resume_notices_another_build_of_the_plugin(
     hausbench: Program, plugin: Path, tmp_path: Path
 ) -> None:
-    own = tmp_path / "libown.so"
-    shutil.copy(plugin, own)
+    library = tmp_path / "libown.so"
+    shutil.copy(plugin, library)
     experiment = tmp_path / "resumed.toml"
     experiment.write_text(RESUMED)
 
     def again() -> Rows:
-        done = hausbench("run", experiment, "--results", tmp_path, "--plugin", own)
+        done = hausbench("run", experiment, "--results", tmp_path, "--plugin", library)
         assert done.returncode == 0, done.stderr
         return rows_of(tmp_path / "resumed.h5")
 
@@ -1054,14 +1048,16 @@ def test_resume_notices_another_build_of_the_plugin(
 
     first, second = again(), again()
     assert times(first, "vertex_only") == times(second, "vertex_only")
-    with own.open("ab") as file:
+    with library.open("ab") as file:
         file.write(b"\0")  # another file, though the same code
     third = again()
     assert times(third, "vertex_only") != times(second, "vertex_only")
     assert times(third, "guthe") == times(
         second, "guthe"
     )  # the program's own solvers are unchanged
-    builds = {name: {row["build"] for row in rows} for name, rows in third.items()}
+    builds = {}
+    for name, rows in third.items():
+        builds[name] = {row["build"] for row in rows}
     assert (
         len(builds["guthe"]) == len(builds["vertex_only"]) == 1
         and builds["guthe"] != builds["vertex_only"]

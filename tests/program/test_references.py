@@ -58,13 +58,13 @@ motion = { kind = "translation", from = [0, 0, 0], to = [1, 0, 0], steps = 3, of
     file = run(hausbench, experiment, tmp_path)
     with h5py.File(file) as f:
         references, cases = f["references"], f["cases"]
-        asked = list(
+        questions = list(
             zip(
                 *(references[name].asstr()[:] for name in ("scene", "quantity", "solver")),
                 references["pose_index"][:],
             )
         )
-        assert sorted(asked) == sorted(
+        assert sorted(questions) == sorted(
             (scene, quantity, "cover", pose)
             for scene, count in (("spheres", 1), ("moved", 3))
             for quantity in ("directed", "symmetric")

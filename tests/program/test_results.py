@@ -361,20 +361,20 @@ def test_rows_of_other_shapes_are_neither_merged_nor_compared(
         assert done.returncode == 0, done.stderr
     here = tmp_path / "scaled.h5"
     there = of_another_cgal(here)
-    for one, other in ((here, there), (there, here)):
-        merged = tmp_path / f"{one.name}-first.h5"
-        done = run_in(hausbench, root, "merge", merged, one, other)
+    for first, second in ((here, there), (there, here)):
+        merged = tmp_path / f"{first.name}-first.h5"
+        done = run_in(hausbench, root, "merge", merged, first, second)
         assert done.returncode == 0 and "2 cases of 2 results" in done.stdout, done.stderr
         assert (
-            f"{other}: 1 of its cases are left out, because their models are other shapes in {one}: welded"
+            f"{second}: 1 of its cases are left out, because their models are other shapes in {first}: welded"
             in done.stderr
         )
-        assert texts(merged, "cases/identity") == texts(one, "cases/identity")
+        assert texts(merged, "cases/identity") == texts(first, "cases/identity")
         assert ("derives another shape than CGAL 0.1 did" in done.stderr) == (
-            one == there
+            first == there
         )  # its rows are not checked
         assert texts(merged, "cases/lower_check") == (
-            ["holds", "holds"] if one == here else ["holds", "not checked"]
+            ["holds", "holds"] if first == here else ["holds", "not checked"]
         )
     done = run_in(hausbench, root, "compare", here, there)
     assert "1 cases in both, 1 only in the first, 1 only in the second\n" in done.stdout
@@ -388,11 +388,11 @@ def test_rows_of_other_shapes_are_neither_merged_nor_compared(
         and "no case in common: not compared" in only.stderr
         and "1 and 1 cases of welded" in only.stderr
     )
-    one, derived = sorted(
+    first, derived = sorted(
         tmp_path.glob("scaled.shard-*.h5"),
         key=lambda shard: texts(shard, "cases/status")[1] == "ok",
     )
-    done = run_in(hausbench, root, "merge", tmp_path / "shards.h5", one, of_another_cgal(derived))
+    done = run_in(hausbench, root, "merge", tmp_path / "shards.h5", first, of_another_cgal(derived))
     assert (
         done.returncode == 1
         and "1 of its cases are left out" in done.stderr
@@ -404,9 +404,9 @@ def test_rows_of_other_shapes_are_neither_merged_nor_compared(
 def test_merge_takes_the_row_of_the_machine_that_had_the_solver(
     hausbench: Program, experiment: Path, tmp_path: Path
 ) -> None:
-    one, two = run(hausbench, experiment, tmp_path), tmp_path / "two.h5"
-    shutil.copy(one, two)
-    with h5py.File(two, "r+") as f:  # what a build without the solver writes
+    complete, lacking = run(hausbench, experiment, tmp_path), tmp_path / "two.h5"
+    shutil.copy(complete, lacking)
+    with h5py.File(lacking, "r+") as f:  # what a build without the solver writes
         for column, value in (
             ("status", "not_built"),
             ("solver_status", ""),
@@ -416,10 +416,10 @@ def test_merge_takes_the_row_of_the_machine_that_had_the_solver(
             ("upper", np.nan),
         ):
             f[f"cases/{column}"][0] = value
-    for order in ((one, two), (two, one)):
+    for order in ((complete, lacking), (lacking, complete)):
         merged = tmp_path / f"{order[0].stem}-first.h5"
         assert hausbench("merge", merged, *order).returncode == 0
-        same_answers(merged, one)
+        same_answers(merged, complete)
 
 
 def test_a_status_that_there_is_not(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
@@ -448,22 +448,22 @@ def test_damaged_results_take_nothing_down(hausbench: Program, tmp_path: Path) -
 def test_merge_overwrites_nothing_by_mistake(
     hausbench: Program, experiment: Path, tmp_path: Path
 ) -> None:
-    one, two, three = (
+    first, second, third = (
         run(hausbench, experiment, tmp_path),
         tmp_path / "two.h5",
         tmp_path / "three.h5",
     )
-    shutil.copy(one, two)
-    shutil.copy(one, three)
-    with h5py.File(three, "r+") as f:
+    shutil.copy(first, second)
+    shutil.copy(first, third)
+    with h5py.File(third, "r+") as f:
         f["meta"].attrs["title"] = "another"
-    before = one.read_bytes()
-    assert "at least two results" in hausbench.fails("merge", one, two)
-    assert "exists" in hausbench.fails("merge", one, two, three)
-    assert one.read_bytes() == before
-    done = hausbench("merge", one, one, two)
+    before = first.read_bytes()
+    assert "at least two results" in hausbench.fails("merge", first, second)
+    assert "exists" in hausbench.fails("merge", first, second, third)
+    assert first.read_bytes() == before
+    done = hausbench("merge", first, first, second)
     assert (
-        done.returncode == 0 and str(one) in done.stdout and "1 cases of 2 results" in done.stdout
+        done.returncode == 0 and str(first) in done.stdout and "1 cases of 2 results" in done.stdout
     )
 
 
@@ -560,14 +560,14 @@ def clocked_by_cpu(*results: Path) -> None:
 
 def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
     experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2"))
-    one, two = run(hausbench, experiment, tmp_path / "one"), run(
+    first, second = run(hausbench, experiment, tmp_path / "one"), run(
         hausbench, experiment, tmp_path / "two"
     )
-    clocked_by_cpu(one, two)
-    with h5py.File(two, "r+") as f:
+    clocked_by_cpu(first, second)
+    with h5py.File(second, "r+") as f:
         f["meta"].attrs["machine"] = "0" * 64
         f["repeats/cpu_seconds"][:] *= 10
-    done = hausbench("compare", one, two)
+    done = hausbench("compare", first, second)
     assert (
         done.returncode == 0
         and "machines differ" in done.stdout
@@ -581,15 +581,15 @@ def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_p
     assert (
         " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2
     )  # one thread, so CPU time is compared
-    with h5py.File(two, "r+") as f:
+    with h5py.File(second, "r+") as f:
         f["cases/clock"][0] = "wall"
     assert (
         "1 cases without a ratio: their times are by different clocks"
-        in hausbench("compare", one, two).stdout
+        in hausbench("compare", first, second).stdout
     )
     experiment.write_text(experiment.read_text().replace("1e-3", "1e-2"))
     assert "no case in common" in hausbench.fails(
-        "compare", one, run(hausbench, experiment, tmp_path / "other")
+        "compare", first, run(hausbench, experiment, tmp_path / "other")
     )
 
 
@@ -597,13 +597,13 @@ def test_compare_takes_first_answers_where_nothing_was_repeated(
     hausbench: Program, experiment: Path, tmp_path: Path
 ) -> None:
     experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 0\nrounds = 2"))
-    one, two = run(hausbench, experiment, tmp_path / "one"), run(
+    first, second = run(hausbench, experiment, tmp_path / "one"), run(
         hausbench, experiment, tmp_path / "two"
     )
-    clocked_by_cpu(one, two)
-    with h5py.File(two, "r+") as f:
+    clocked_by_cpu(first, second)
+    with h5py.File(second, "r+") as f:
         f["answers/cpu_seconds"][:] *= 100
-    said = hausbench("compare", one, two).stdout
+    said = hausbench("compare", first, second).stdout
     ratios = [line for line in said.splitlines() if "too few rounds" in line]
     assert len(ratios) == 1 and "(0 cases without times)" in said, said
     assert float(ratios[0].split("diagonal")[1].split()[0]) > 10
@@ -686,4 +686,5 @@ def test_a_result_has_the_titles_of_its_solvers(
         titles = json.loads(result["meta"].attrs["titles"])
         used = {name.decode() for name in result["cases/solver"][:]}
     assert used and titles.keys() >= used
-    assert {name: titles[name] for name in used} == {name: listed[name] for name in used}
+    for name in used:
+        assert titles[name] == listed[name]

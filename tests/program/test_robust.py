@@ -71,14 +71,14 @@ def test_shards_put_together_equal_one_go(hausbench: Program, tmp_path: Path) ->
 def test_merge_refuses_other_builds_unless_told(
     hausbench: Program, experiment: Path, tmp_path: Path
 ) -> None:
-    one = run(hausbench, experiment, tmp_path)
-    other = tmp_path / "other.h5"
-    shutil.copy(one, other)
-    with h5py.File(other, "r+") as f:
+    first = run(hausbench, experiment, tmp_path)
+    second = tmp_path / "other.h5"
+    shutil.copy(first, second)
+    with h5py.File(second, "r+") as f:
         f["meta"].attrs["build"] = "0" * 64
-    assert "--any-build" in hausbench.fails("merge", tmp_path / "out.h5", one, other)
+    assert "--any-build" in hausbench.fails("merge", tmp_path / "out.h5", first, second)
     assert not (tmp_path / "out.h5").exists()
-    assert hausbench("merge", "--any-build", tmp_path / "out.h5", one, other).returncode == 0
+    assert hausbench("merge", "--any-build", tmp_path / "out.h5", first, second).returncode == 0
 
 
 def test_leaving_out_changes_no_answer(hausbench: Program, tmp_path: Path) -> None:

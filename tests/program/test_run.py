@@ -39,11 +39,11 @@ def numbers(file: Path, column: str) -> np.ndarray[Any, Any]:
 ANSWERS = ("cases/identity", "cases/status")
 
 
-def same_answers(one: Path, other: Path) -> None:
+def same_answers(first: Path, second: Path) -> None:
     for column in ANSWERS:
-        assert texts(one, column) == texts(other, column)
+        assert texts(first, column) == texts(second, column)
     for column in ("cases/lower", "cases/upper", "cases/counter_queue_pushes"):
-        np.testing.assert_array_equal(numbers(one, column), numbers(other, column))
+        np.testing.assert_array_equal(numbers(first, column), numbers(second, column))
 
 
 def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
@@ -98,26 +98,26 @@ def test_another_experiment_of_the_same_name_does_not_replace_a_result(
 ) -> None:
     file = run(hausbench, experiment, tmp_path)
     before = file.read_bytes()
-    other = tmp_path / "other" / experiment.name
-    other.parent.mkdir()
-    other.write_text(experiment.read_text())
+    namesake = tmp_path / "other" / experiment.name
+    namesake.parent.mkdir()
+    namesake.write_text(experiment.read_text())
     assert (
-        hausbench("run", other, "--results", tmp_path).returncode == 0
+        hausbench("run", namesake, "--results", tmp_path).returncode == 0
     )  # the same text under another name
     run(hausbench, experiment, tmp_path)
-    other.write_text(experiment.read_text() + "# edited\n")
-    said = hausbench.fails("run", other, "--results", tmp_path)
+    namesake.write_text(experiment.read_text() + "# edited\n")
+    said = hausbench.fails("run", namesake, "--results", tmp_path)
     assert (
         f"is the result of another experiment of this name, {experiment}:" in said
         and "--results" in said
         and "--fresh" in said
     )
     assert file.stat().st_size == len(before)
-    experiment.write_text(other.read_text() + "# edited in place\n")
+    experiment.write_text(namesake.read_text() + "# edited in place\n")
     run(hausbench, experiment, tmp_path)
-    run(hausbench, other, tmp_path, "--fresh")
+    run(hausbench, namesake, tmp_path, "--fresh")
     experiment.unlink()
-    other.rename(experiment)
+    namesake.rename(experiment)
     run(hausbench, experiment, tmp_path)
 
 
@@ -171,8 +171,8 @@ def test_more_repeats_are_measured_when_asked_for(
     hausbench: Program, experiment: Path, tmp_path: Path
 ) -> None:
     text = experiment.read_text()
-    for asked, there in ((2, 2), (5, 5), (3, 5)):
-        experiment.write_text(text.replace("repeats = 1", f"repeats = {asked}"))
+    for repeats, there in ((2, 2), (5, 5), (3, 5)):
+        experiment.write_text(text.replace("repeats = 1", f"repeats = {repeats}"))
         file = run(hausbench, experiment, tmp_path)
         assert len(numbers(file, "repeats/wall_seconds")) == there
 

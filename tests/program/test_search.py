@@ -76,25 +76,23 @@ def rows_of(file: Path) -> Rows:
             name: column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
             for name, column in f["cases"].items()
         }
-    rows = [
-        {name: column[i] for name, column in columns.items()} for i in range(len(columns["label"]))
-    ]
+    rows = [dict(zip(columns, values)) for values in zip(*columns.values(), strict=True)]
     return {
         (row["label"], row["source"], float(row["tolerance"]), row["target"]): row for row in rows
     }
 
 
 def chains(rows: Rows) -> dict[tuple[str, str, float], list[dict[str, Any]]]:
-    found: dict[tuple[str, str, float], list[dict[str, Any]]] = {}
+    rows_of_chain: dict[tuple[str, str, float], list[dict[str, Any]]] = {}
     for (label, source, tolerance, _), row in rows.items():
-        found.setdefault((label, source, tolerance), []).append(row)
-    return found
+        rows_of_chain.setdefault((label, source, tolerance), []).append(row)
+    return rows_of_chain
 
 
-def fits(chain: list[dict[str, Any]], own: float = np.inf) -> None:
+def fits(chain: list[dict[str, Any]], cutoff: float = np.inf) -> None:
     """Checks that each row names its predecessor, and that its cutoff is the smallest upper bound
     so far."""
-    least, before = own, ""
+    least, before = cutoff, ""
     for row in chain:
         assert row["chain"] == before and row["cutoff_used"] == least
         before = row["identity"]
@@ -102,9 +100,9 @@ def fits(chain: list[dict[str, Any]], own: float = np.inf) -> None:
             least = min(least, row["upper"])
 
 
-def same_rows(one: Rows, other: Rows) -> None:
-    assert one.keys() == other.keys()
-    for key, row in one.items():
+def same_rows(first: Rows, second: Rows) -> None:
+    assert first.keys() == second.keys()
+    for key, row in first.items():
         for column in (
             "identity",
             "chain",
@@ -115,8 +113,8 @@ def same_rows(one: Rows, other: Rows) -> None:
             "upper",
             *(f"counter_{name}" for name in COUNTERS),
         ):
-            assert row[column] == other[key][column] or (
-                row[column] != row[column] and other[key][column] != other[key][column]
+            assert row[column] == second[key][column] or (
+                row[column] != row[column] and second[key][column] != second[key][column]
             ), (key, column)
 
 
@@ -141,12 +139,9 @@ def test_the_nearest_is_that_of_the_matrix(
     heads, cut_off, less = 0, 0, dict[str, int]()
     for (label, source, tolerance), chain in chains(searched).items():
         fits(chain)
-        assert [row["target"] for row in chain] == [target for target in shapes if target != source]
-        whole = {
-            target: matrix[label, source, tolerance, target]
-            for target in shapes
-            if target != source
-        }
+        targets = [target for target in shapes if target != source]
+        assert [row["target"] for row in chain] == targets
+        whole = {target: matrix[label, source, tolerance, target] for target in targets}
         nearest = min(whole, key=lambda target: float(whole[target]["upper"]))
         best = min(chain, key=lambda row: float(row["upper"]))
         assert (best["target"], best["upper"]) == (nearest, whole[nearest]["upper"])
@@ -159,14 +154,13 @@ def test_the_nearest_is_that_of_the_matrix(
             assert row["answer"] == ("h > cutoff" if row["lower"] > row["cutoff_used"] else "gap")
             cut_off += row["answer"] == "h > cutoff"
             # The first row is also a case of the matrix; the others have a cutoff.
-            asked = whole[row["target"]]
-            assert (row["identity"] == asked["identity"]) == (row is chain[0])
-            assert asked["cutoff_used"] == np.inf == row["cutoff"]
+            case = whole[row["target"]]
+            assert (row["identity"] == case["identity"]) == (row is chain[0])
+            assert case["cutoff_used"] == np.inf == row["cutoff"]
             heads += row is chain[0]
         for name in COUNTERS:
-            work, of_matrix = (
-                sum(int(row[f"counter_{name}"]) for row in some) for some in (chain, whole.values())
-            )
+            work = sum(int(row[f"counter_{name}"]) for row in chain)
+            of_matrix = sum(int(row[f"counter_{name}"]) for row in whole.values())
             assert work <= of_matrix
             less[label] = less.get(label, 0) + of_matrix - work
     assert heads == 3 * 2 * 8 and cut_off > 100
@@ -178,14 +172,12 @@ def test_another_order_is_another_search(
 ) -> None:
     forward = rows_of(run(hausbench, write(tmp_path / "forward.toml", shapes), tmp_path))
     backward = rows_of(run(hausbench, write(tmp_path / "backward.toml", shapes[::-1]), tmp_path))
-    assert {row["identity"] for row in forward.values()}.isdisjoint(
-        row["identity"] for row in backward.values()
-    )
+    identities = {row["identity"] for row in forward.values()}
+    assert identities.isdisjoint(row["identity"] for row in backward.values())
     for key, chain in chains(backward).items():
         fits(chain)
-        assert min(float(row["upper"]) for row in chain) == min(
-            float(row["upper"]) for row in chains(forward)[key]
-        )
+        least = min(float(row["upper"]) for row in chain)
+        assert least == min(float(row["upper"]) for row in chains(forward)[key])
 
 
 def test_the_experiments_own_cutoff_and_floor_count(
@@ -195,7 +187,7 @@ def test_the_experiments_own_cutoff_and_floor_count(
     rows = rows_of(run(hausbench, file, tmp_path))
     seen = set()
     for chain in chains(rows).values():
-        own, floor, least = (
+        cutoff, floor, least = (
             float(chain[0]["cutoff"]),
             float(chain[0]["floor"]),
             float(chain[0]["cutoff"]),
@@ -203,12 +195,12 @@ def test_the_experiments_own_cutoff_and_floor_count(
         for row in chain:
             assert (
                 row["cutoff_used"] == max(least, np.nextafter(floor, np.inf))
-                and row["cutoff"] == own
+                and row["cutoff"] == cutoff
             )
             least = min(least, float(row["upper"]))
             seen.add(
                 (
-                    "own" if row["cutoff_used"] == own else "less",
+                    "own" if row["cutoff_used"] == cutoff else "less",
                     "of interest"
                     if row["cutoff_used"] > np.nextafter(floor, np.inf)
                     else "at the floor",
@@ -229,7 +221,7 @@ def test_a_copy_at_distance_0_does_not_hang_the_rest(
         [shapes[0]],
         'targets = ["copy.off", "again.off", "m1.off"]\nsearch = "nearest"',
     )
-    for (label, _, _), (first, again, other) in chains(
+    for (label, _, _), (first, again, third) in chains(
         rows_of(run(hausbench, file, tmp_path))
     ).items():
         assert (
@@ -237,7 +229,7 @@ def test_a_copy_at_distance_0_does_not_hang_the_rest(
             and again["answer"] == "gap"
             and 0 < again["cutoff_used"] < 1e-6
         )
-        assert label == "cgal" or other["answer"] == "h > cutoff"
+        assert label == "cgal" or third["answer"] == "h > cutoff"
 
 
 PEER = """\
@@ -306,9 +298,8 @@ def test_what_ends_by_error_counts_nothing(
     assert [row["status"] for row in rows] == ["ok", status, status, "ok", "ok", "ok"]
     lost = how != "nothing"
     used = [np.inf, 8.125, 8.125 if lost else 5.125, 8.125 if lost else 5.125, 3.125, 3.125]
-    assert [row["cutoff_used"] for row in rows if row["status"] == "ok"] == [
-        cutoff for row, cutoff in zip(rows, used) if row["status"] == "ok"
-    ]
+    for row, cutoff in zip(rows, used):
+        assert row["status"] != "ok" or row["cutoff_used"] == cutoff
     assert [row["answer"] for row in rows] == [
         "gap",
         *(["", ""] if lost else ["gap", "h > cutoff"]),
@@ -341,9 +332,8 @@ def test_a_model_that_is_missing_is_no_part_of_the_search(
     rows = list(rows_of(run(hausbench, file, tmp_path)).values())
     assert [row["status"] for row in rows] == ["failed", "failed", "ok", "ok", "ok", "ok"]
     fits(rows[2:])
-    assert [row["chain"] for row in rows[:3]] == ["", "", ""] and [
-        row["cutoff_used"] for row in rows[:2]
-    ] == [np.inf, np.inf]
+    assert [row["chain"] for row in rows[:3]] == ["", "", ""]
+    assert [row["cutoff_used"] for row in rows[:2]] == [np.inf, np.inf]
 
 
 def test_kill_resume_shards_and_nothing_left_out(

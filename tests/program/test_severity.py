@@ -115,10 +115,10 @@ motion = { kind = "rotation", axis = [0, 0, 1], degrees = "{}", steps = 2 }
 def test_a_scene_of_another_profile_may_describe_a_shape_under_the_same_name(
     hausbench: Program,
 ) -> None:
-    one = '\n[[scene]]\nname = "a"\nprofiles = ["{}"]\nsource = {{ recipe = "cube", subdivisions = 1 }}\ntarget = "sphere1"\n'
+    scene = '\n[[scene]]\nname = "a"\nprofiles = ["{}"]\nsource = {{ recipe = "cube", subdivisions = 1 }}\ntarget = "sphere1"\n'
     done = hausbench(
         "run",
-        write(hausbench, one.format("quick") + one.format("paper")),
+        write(hausbench, scene.format("quick") + scene.format("paper")),
         "--results",
         hausbench.folder / "results",
     )

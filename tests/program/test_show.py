@@ -74,8 +74,8 @@ def on_terminal(
     hausbench: Program, columns: int, *arguments: str | Path, **environment: str
 ) -> str:
     """Returns the program's output on a terminal that is `columns` wide."""
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    ours, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     surroundings = {
         key: value
         for key, value in hausbench.environment().items()
@@ -83,7 +83,7 @@ def on_terminal(
     }
     process = subprocess.Popen(
         hausbench.command(*arguments),
-        stdout=theirs,
+        stdout=terminal,
         stderr=subprocess.PIPE,
         cwd=hausbench.folder,
         env={**surroundings, "TERM": "xterm", **environment},
@@ -95,7 +95,7 @@ def on_terminal(
         try:
             process.wait(60)
         finally:
-            os.write(theirs, b"\0")
+            os.write(terminal, b"\0")
 
     waiting = threading.Thread(target=end)
     waiting.start()
@@ -104,7 +104,7 @@ def on_terminal(
         written += os.read(ours, 1 << 16)
     waiting.join()
     os.close(ours)
-    os.close(theirs)
+    os.close(terminal)
     assert process.returncode == 0
     return written[:-1].decode().replace("\r\n", "\n")
 
@@ -137,15 +137,15 @@ def test_forms_for_programs_say_the_same(hausbench: Program, result: Path) -> No
     objects = json.loads(hausbench("show", result, "--json").stdout)["rows"]
     table = list(csv.DictReader(io.StringIO(hausbench("show", result, "--csv").stdout)))
     assert len(objects) == len(table) == 6
-    for one, line in zip(objects, table):
-        assert list(one) == list(line) and one["reason"] == line["reason"]
-    assert [one["lower"] for one in objects[:4]] == list(numbers(result, "cases/lower")[:4])
-    assert {one["times"] for one in objects[:4]} == {6}
-    timed = [one for one in objects if one["times"] == 6]
+    for row, line in zip(objects, table):
+        assert list(row) == list(line) and row["reason"] == line["reason"]
+    assert [row["lower"] for row in objects[:4]] == list(numbers(result, "cases/lower")[:4])
+    assert {row["times"] for row in objects[:4]} == {6}
+    timed = [row for row in objects if row["times"] == 6]
     assert all(
-        one["solve_seconds_low"] <= one["solve_seconds"] <= one["solve_seconds_high"]
-        and one["confidence"] >= 0.95
-        for one in timed
+        row["solve_seconds_low"] <= row["solve_seconds"] <= row["solve_seconds_high"]
+        and row["confidence"] >= 0.95
+        for row in timed
     )
     markdown = hausbench("show", result, "--md").stdout.splitlines()
     assert len(markdown) == 8 and all(
@@ -360,9 +360,9 @@ def test_list_is_one_screen_and_knows_each_name(hausbench: Program) -> None:
     assert len(lines) < len(solvers) + 6 < 40
     for solver in solvers:
         assert sum(line.split()[0] == solver["name"] for line in lines) == 1
-        one = hausbench("list", solver["name"]).stdout
-        assert one.startswith(solver["name"] + ": ") and all(
-            parameter["name"] in one for parameter in solver["parameters"]
+        description = hausbench("list", solver["name"]).stdout
+        assert description.startswith(solver["name"] + ": ") and all(
+            parameter["name"] in description for parameter in solver["parameters"]
         )
     assert (
         "smoke" in hausbench("list", "experiments").stdout

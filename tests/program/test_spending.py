@@ -47,15 +47,15 @@ def rows(
     )
     assert done.returncode == 0, done.stderr
     with h5py.File(hausbench.folder / "spending.h5") as f:
-        found: dict[str, Any] = {
+        columns: dict[str, Any] = {
             f"{group}/{name}": column.asstr()[:]
             if h5py.check_string_dtype(column.dtype)
             else column[:]
             for group in ("cases", "repeats", "preparation")
             for name, column in f[group].items()
         }
-    assert list(found["cases/status"]) == ["ok"] * 3, found["cases/reason"]
-    return found
+    assert list(columns["cases/status"]) == ["ok"] * 3, columns["cases/reason"]
+    return columns
 
 
 def test_memory_of_preparing_counts_in_every_case(hausbench: Program, plugin: Path) -> None:
@@ -129,16 +129,16 @@ parameters = {{ {given} }}
 
 def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin: Path) -> None:
     for threads in (1, 2):  # even one, because the waiting thread's clock stands still
-        found = rows(hausbench, plugin, "spending", f"threads = {threads}, seconds = 0.06")
-        assert list(found["cases/clock"]) == ["wall"] * 3
-        assert (found["repeats/cpu_seconds"] >= threads * 0.06).all() and (
-            found["repeats/wall_seconds"] >= 0.06
+        columns = rows(hausbench, plugin, "spending", f"threads = {threads}, seconds = 0.06")
+        assert list(columns["cases/clock"]) == ["wall"] * 3
+        assert (columns["repeats/cpu_seconds"] >= threads * 0.06).all() and (
+            columns["repeats/wall_seconds"] >= 0.06
         ).all()
-    found = rows(hausbench, plugin, "spending", "threads = 0")
-    assert list(found["cases/clock"]) == ["cpu"] * 3
+    columns = rows(hausbench, plugin, "spending", "threads = 0")
+    assert list(columns["cases/clock"]) == ["cpu"] * 3
     # For solves of microseconds, reading the clocks must not count as CPU time.
-    assert (found["repeats/cpu_seconds"] <= found["repeats/wall_seconds"]).all()
-    assert json.loads(found["cases/facts"][0]) == {"threads": "0 of its own"}
+    assert (columns["repeats/cpu_seconds"] <= columns["repeats/wall_seconds"]).all()
+    assert json.loads(columns["cases/facts"][0]) == {"threads": "0 of its own"}
 
 
 def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> None:
@@ -147,16 +147,16 @@ def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> N
         "print(0, 2)"
     )
     command = f"""command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (2)$' """
-    found = rows(hausbench, plugin, "external", command)
-    assert list(found["cases/clock"]) == ["cpu"] * 3
-    assert (found["repeats/cpu_seconds"] >= 0.3).all()
+    columns = rows(hausbench, plugin, "external", command)
+    assert list(columns["cases/clock"]) == ["cpu"] * 3
+    assert (columns["repeats/cpu_seconds"] >= 0.3).all()
 
 
 def test_every_round_keeps_its_preparation(hausbench: Program, plugin: Path) -> None:
-    found = rows(hausbench, plugin, "spending", "prepare_megabytes = 20", rounds=3)
-    seconds = found["preparation/seconds"]
+    columns = rows(hausbench, plugin, "spending", "prepare_megabytes = 20", rounds=3)
+    seconds = columns["preparation/seconds"]
     for case in range(3):
-        of_case = found["preparation/case"] == case
-        assert list(found["preparation/round"][of_case]) == [0, 1, 2]
+        of_case = columns["preparation/case"] == case
+        assert list(columns["preparation/round"][of_case]) == [0, 1, 2]
         assert len(set(seconds[of_case])) > 1
-        assert found["cases/prepare_seconds"][case] == sorted(seconds[of_case])[1]
+        assert columns["cases/prepare_seconds"][case] == sorted(seconds[of_case])[1]

@@ -25,8 +25,8 @@ name = "naive"
 
 def seconds_left(said: str) -> dict[int, int]:
     """Returns the printed seconds left, by number of finished cases."""
-    found = re.findall(r"^\[(\d)/4\] \d+:\d\d, about (\d+):(\d\d) left", said, re.MULTILINE)
-    return {int(done): 60 * int(minutes) + int(seconds) for done, minutes, seconds in found}
+    matches = re.findall(r"^\[(\d)/4\] \d+:\d\d, about (\d+):(\d\d) left", said, re.MULTILINE)
+    return {int(done): 60 * int(minutes) + int(seconds) for done, minutes, seconds in matches}
 
 
 def test_short_cases_promise_no_short_run(hausbench: Program, tmp_path: Path) -> None:

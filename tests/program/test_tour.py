@@ -87,9 +87,9 @@ def write(build: Path) -> None:
             float(line) for line in (Path(folder) / "times").read_text().split()
         ]
 
-    def block(found: re.Match[str]) -> str:
+    def block(match: re.Match[str]) -> str:
         printed = next(outputs).replace(home, "~")
-        return f"```sh\n{found[1]}```\n" + (f"\n```text\n{printed}```\n" if printed else "")
+        return f"```sh\n{match[1]}```\n" + (f"\n```text\n{printed}```\n" if printed else "")
 
     TOUR.write_text(STEP.sub(block, text))
     print(

@@ -76,11 +76,8 @@ def small_sphere() -> Mesh:
 def sphere_file(tmp_path: Path, small_sphere: Mesh) -> Path:
     vertices, faces = small_sphere
     path = tmp_path / "sphere.off"
-    lines = [
-        "OFF",
-        f"{len(vertices)} {len(faces)} 0",
-        *(" ".join(map(repr, map(float, row))) for row in vertices),
-        *("3 " + " ".join(map(str, row)) for row in faces),
-    ]
+    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+    lines += [" ".join(map(repr, map(float, row))) for row in vertices]
+    lines += ["3 " + " ".join(map(str, row)) for row in faces]
     path.write_text("\n".join(lines) + "\n")
     return path

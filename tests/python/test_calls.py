@@ -30,9 +30,9 @@ def raised(mesh: Mesh) -> Mesh:
     return mesh[0] + UP, mesh[1]
 
 
-def distance(points: Any, others: Any) -> float:
+def distance(points: Any, targets: Any) -> float:
     """Returns h between two small point sets, by all pairs."""
-    return float(np.sqrt(((points[:, None] - others[None]) ** 2).sum(-1)).min(1).max())
+    return float(np.sqrt(((points[:, None] - targets[None]) ** 2).sum(-1)).min(1).max())
 
 
 def test_directed_and_symmetric_of_meshes(tetrahedron: Mesh) -> None:
@@ -58,15 +58,15 @@ def test_directions_differ() -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_points_against_all_pairs(seed: int) -> None:
     random = np.random.default_rng(seed)
-    points, others = random.normal(size=(200, 3)), random.normal(size=(150, 3))
-    answer = hb.directed(points, others)
+    points, targets = random.normal(size=(200, 3)), random.normal(size=(150, 3))
+    answer = hb.directed(points, targets)
     assert (
-        answer.interval.lower - 1e-12 <= distance(points, others) <= answer.interval.upper + 1e-12
+        answer.interval.lower - 1e-12 <= distance(points, targets) <= answer.interval.upper + 1e-12
     )
     witness = answer.witness
     assert witness is not None
     assert tuple(points[witness.source_row]) == pytest.approx(witness.source_point)
-    assert tuple(others[witness.target_row]) == pytest.approx(witness.target_point)
+    assert tuple(targets[witness.target_row]) == pytest.approx(witness.target_point)
 
 
 def test_the_same_bits_for_every_layout(small_sphere: Mesh) -> None:
@@ -156,11 +156,11 @@ def test_options_are_keywords_only(tetrahedron: Mesh) -> None:
 def test_solvers_and_options(small_sphere: Mesh) -> None:
     assert {"cover", "scan"} <= set(hb.solvers())
     target = sphere(9, 0.1)
-    one, other = (
+    by_guthe, by_default = (
         hb.directed(small_sphere, target, solver="guthe").interval,
         hb.directed(small_sphere, target).interval,
     )
-    assert one.lower <= other.upper and other.lower <= one.upper
+    assert by_guthe.lower <= by_default.upper and by_default.lower <= by_guthe.upper
 
 
 def test_threads_change_no_answer(small_sphere: Mesh) -> None:
@@ -212,8 +212,8 @@ def test_poses(small_sphere: Mesh) -> None:
     matrix[:3, :3], matrix[:3, 3] = QUARTER_TURN, [1, 2, 3]
     expected = hb.directed((vertices @ QUARTER_TURN.T + [1, 2, 3], faces), target).interval
     for pose in (matrix, matrix.tolist(), (QUARTER_TURN, [1, 2, 3]), np.asfortranarray(matrix)):
-        found = hb.directed(small_sphere, target, pose=pose).interval
-        assert found.lower <= expected.upper and expected.lower <= found.upper
+        interval = hb.directed(small_sphere, target, pose=pose).interval
+        assert interval.lower <= expected.upper and expected.lower <= interval.upper
     turned = hb.directed(small_sphere, target, pose=QUARTER_TURN).interval
     assert (
         turned.contains(hb.directed((vertices @ QUARTER_TURN.T, faces), target).interval.lower)
@@ -247,28 +247,28 @@ def test_wrong_poses_are_named(tetrahedron: Mesh, pose: Any) -> None:
 
 def test_distribution_against_all_points() -> None:
     random = np.random.default_rng(3)
-    points, others = random.normal(size=(300, 3)), random.normal(size=(200, 3))
-    exact = np.sort(np.sqrt(((points[:, None] - others[None]) ** 2).sum(-1)).min(1))
-    found = hb.distribution(points, others, quantiles=[0.95], within=[0.5])
+    points, targets = random.normal(size=(300, 3)), random.normal(size=(200, 3))
+    exact = np.sort(np.sqrt(((points[:, None] - targets[None]) ** 2).sum(-1)).min(1))
+    statistics = hb.distribution(points, targets, quantiles=[0.95], within=[0.5])
     for bounds, value in (
-        (found.mean, exact.mean()),
-        (found.rms, math.sqrt((exact**2).mean())),
-        (found.deviation, exact.std()),
-        (found.maximum, exact[-1]),
-        (found.quantile(0.95), exact[math.ceil(0.95 * 300) - 1]),
-        (found.share_within(0.5), (exact <= 0.5).mean()),
-        (found.quantile(0.3), exact[89]),
+        (statistics.mean, exact.mean()),
+        (statistics.rms, math.sqrt((exact**2).mean())),
+        (statistics.deviation, exact.std()),
+        (statistics.maximum, exact[-1]),
+        (statistics.quantile(0.95), exact[math.ceil(0.95 * 300) - 1]),
+        (statistics.share_within(0.5), (exact <= 0.5).mean()),
+        (statistics.quantile(0.3), exact[89]),
     ):
         assert isinstance(bounds, hb.Interval)
         assert bounds.lower - 1e-12 <= value <= bounds.upper + 1e-12
 
 
 def test_distribution_asks_for_what_is_listed(small_sphere: Mesh) -> None:
-    found = hb.distribution(small_sphere, sphere(9, 0.1), statistics=["rms"], quantiles=[0.5])
-    assert repr(found).count("[") == 2 and "mean" not in repr(found)
-    mean = found.mean
-    assert "mean" in repr(found) and found.mean is mean
-    assert found.median.lower <= found.quantile(0.5).upper
+    statistics = hb.distribution(small_sphere, sphere(9, 0.1), statistics=["rms"], quantiles=[0.5])
+    assert repr(statistics).count("[") == 2 and "mean" not in repr(statistics)
+    mean = statistics.mean
+    assert "mean" in repr(statistics) and statistics.mean is mean
+    assert statistics.median.lower <= statistics.quantile(0.5).upper
     assert (
         repr(hb.distribution(small_sphere, small_sphere, statistics=()))
         == "<Distribution: nothing asked yet>"
@@ -310,11 +310,11 @@ def test_paths_are_checked(tetrahedron: Mesh) -> None:
 
 
 def test_proofs_of_point_sets_need_no_solver(tmp_path: Path) -> None:
-    points, others = np.zeros((3, 3)), np.ones((2, 3))
-    hb.certify(points, others, tmp_path / "proof")
-    assert hb.verify(tmp_path / "proof", points, others)
+    points, targets = np.zeros((3, 3)), np.ones((2, 3))
+    hb.certify(points, targets, tmp_path / "proof")
+    assert hb.verify(tmp_path / "proof", points, targets)
     with pytest.raises(hb.InputError, match="leave solver out"):
-        hb.certify(points, others, tmp_path / "proof", solver="scan")
+        hb.certify(points, targets, tmp_path / "proof", solver="scan")
 
 
 def test_distribution_over_both_shapes() -> None:
@@ -352,12 +352,12 @@ def test_wrong_statistics_are_named(tetrahedron: Mesh, bad: dict[str, Any]) -> N
 def test_field(tetrahedron: Mesh) -> None:
     vertices, faces = tetrahedron
     extra = np.vstack([vertices, [[0, 0, 5.0]]])  # a vertex that no face uses
-    found = hb.field((extra, faces), raised(tetrahedron))
-    assert found.lower.shape == found.upper.shape == found.nearest.shape == (5,)
-    assert (found.lower <= found.upper).all()
+    field = hb.field((extra, faces), raised(tetrahedron))
+    assert field.lower.shape == field.upper.shape == field.nearest.shape == (5,)
+    assert (field.lower <= field.upper).all()
     for row, value in enumerate([0.25, 0.25, 0.25, 0, 3.75]):
-        assert found.lower[row] <= value <= found.upper[row]
-    assert found.nearest.dtype == np.int64 and ((0 <= found.nearest) & (found.nearest < 4)).all()
+        assert field.lower[row] <= value <= field.upper[row]
+    assert field.nearest.dtype == np.int64 and ((0 <= field.nearest) & (field.nearest < 4)).all()
 
 
 def test_prepared_gives_the_answers_of_single_calls(small_sphere: Mesh) -> None:
@@ -368,8 +368,8 @@ def test_prepared_gives_the_answers_of_single_calls(small_sphere: Mesh) -> None:
         single = hb.directed(small_sphere, target, pose=pose).interval
         shapes: list[ShapeLike] = [source, small_sphere]
         for shape in shapes:
-            found = prepared.directed(shape, pose=pose).interval
-            assert found.lower <= single.upper and single.lower <= found.upper
+            interval = prepared.directed(shape, pose=pose).interval
+            assert interval.lower <= single.upper and single.lower <= interval.upper
     assert prepared.within(source, 10) is True
     assert (
         prepared.symmetric(source).interval.lower
@@ -599,13 +599,13 @@ def test_printed_intervals_hold() -> None:
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
 def test_what_keeps_a_pair_cannot_be_pickled(protocol: int, tetrahedron: Mesh) -> None:
     prepared = hb.prepare(tetrahedron)
-    for one in (prepared, hb.distribution(tetrahedron, tetrahedron), prepared.target._shape):
+    for value in (prepared, hb.distribution(tetrahedron, tetrahedron), prepared.target._shape):
         with pytest.raises(TypeError, match="cannot be pickled"):
-            pickle.dumps(one, protocol)
+            pickle.dumps(value, protocol)
 
 
 def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
-    point, others = [[0, 0, 1]], [[0, 0, 0]]
+    point, target = [[0, 0, 1]], [[0, 0, 0]]
     rounded: list[Any] = [
         Fraction(10**30 - 1, 10**30),
         Decimal("0.1"),
@@ -617,10 +617,10 @@ def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
     true: Any = np.bool_(True)
     for wrong in rounded:
         with pytest.raises(hb.InputError, match="no double is"):
-            hb.distribution(point, others, within=wrong)
+            hb.distribution(point, target, within=wrong)
         with pytest.raises(hb.InputError, match="no double is"):
-            hb.within(point, others, wrong)
-    assert all(hb.within(point, others, length) for length in exact)
+            hb.within(point, target, wrong)
+    assert all(hb.within(point, target, length) for length in exact)
     with pytest.raises(hb.InputError, match=r"row 0 has an integer beyond 2\*\*53"):
         hb.Shape([[large, 0.5, 0]])
     for symmetric in ("no", 1, None):
@@ -631,21 +631,21 @@ def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
 
 def test_a_signal_handler_may_ask_about_the_same_shapes() -> None:
     A, B = hb.Shape(*sphere(300, 0.1)), hb.Shape(*sphere(290, 0.1))
-    asked = list[hb.Answer]()
+    answers = list[hb.Answer]()
     before = signal.signal(
-        signal.SIGALRM, lambda *_: asked.append(hb.directed(A, B, time_limit=0.01))
+        signal.SIGALRM, lambda *_: answers.append(hb.directed(A, B, time_limit=0.01))
     )
     signal.setitimer(signal.ITIMER_REAL, 0.01)
     try:
         answer = hb.directed(A, B)
-        while not asked:  # the call ended before the signal came
+        while not answers:  # the call ended before the signal came
             time.sleep(0.001)
     finally:
         signal.signal(signal.SIGALRM, before)
     assert answer.status == "converged"
     assert (
-        asked[0].interval.lower <= answer.interval.upper
-        and answer.interval.lower <= asked[0].interval.upper
+        answers[0].interval.lower <= answer.interval.upper
+        and answer.interval.lower <= answers[0].interval.upper
     )
 
 
@@ -673,17 +673,18 @@ def test_progress_shows_bounds_that_hold() -> None:
         arguments = (rough,) if ask not in (hb.directed, hb.symmetric) else (rough, fine)
         answer = ask(*arguments, progress=seen.append)
         assert seen and all(
-            one.lower <= answer.interval.upper and answer.interval.lower <= one.upper
-            for one in seen
+            bounds.lower <= answer.interval.upper and answer.interval.lower <= bounds.upper
+            for bounds in seen
         )
     shown: list[dict[str, hb.Interval]] = []
-    found = hb.distribution(
+    statistics = hb.distribution(
         rough, fine, statistics=["mean", "maximum"], tolerance=1e-4, progress=shown.append
     )
-    assert len(shown) >= 2 and all(set(one) == {"mean", "maximum"} for one in shown)
+    assert len(shown) >= 2 and all(set(bounds) == {"mean", "maximum"} for bounds in shown)
     assert all(
-        one["mean"].lower <= found.mean.upper and found.mean.lower <= one["mean"].upper
-        for one in shown
+        bounds["mean"].lower <= statistics.mean.upper
+        and statistics.mean.lower <= bounds["mean"].upper
+        for bounds in shown
     )
 
 

@@ -15,10 +15,10 @@ from scipy.spatial.distance import directed_hausdorff
 def test_directed_hausdorff_is_scipy_s(columns: int, seed: int) -> None:
     random = np.random.default_rng(seed)
     u, v = random.normal(size=(60, columns)), random.normal(size=(40, columns))
-    expected, found = directed_hausdorff(u, v), compat.directed_hausdorff(u, v)
-    assert [type(value) for value in found] == [float, int, int]
-    assert found[0] == pytest.approx(expected[0], rel=4e-16)
-    assert found[1:] == expected[1:]  # no ties here
+    expected, answer = directed_hausdorff(u, v), compat.directed_hausdorff(u, v)
+    assert [type(value) for value in answer] == [float, int, int]
+    assert answer[0] == pytest.approx(expected[0], rel=4e-16)
+    assert answer[1:] == expected[1:]  # no ties here
 
 
 def test_directed_hausdorff_of_equal_points() -> None:
@@ -55,10 +55,10 @@ def test_other_arrays_are_refused(u: object, v: object) -> None:
 
 def test_igl_s_hausdorff_is_a_number_above_the_vertices(small_sphere: Mesh) -> None:
     target = sphere(9, 0.1)
-    found = compat.hausdorff(*small_sphere, *target)
-    assert type(found) is float
+    distance = compat.hausdorff(*small_sphere, *target)
+    assert type(distance) is float
     of_vertices = max(
         hb.field(small_sphere, target).lower.max(), hb.field(target, small_sphere).lower.max()
     )
-    assert of_vertices <= found
-    assert hb.symmetric(small_sphere, target).interval.contains(found)
+    assert of_vertices <= distance
+    assert hb.symmetric(small_sphere, target).interval.contains(distance)

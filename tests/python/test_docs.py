@@ -24,10 +24,10 @@ def wrong_lines(text: str) -> list[str]:
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             exec(compile(block, f"block {number}", "exec"), names)
-        if (found := printed.getvalue().split()) != (
+        if (output := printed.getvalue().split()) != (
             said := " ".join(EXPECTED.findall(block)).split()
         ):
-            wrong.append(f"block {number} prints {' '.join(found)}, not {' '.join(said)}")
+            wrong.append(f"block {number} prints {' '.join(output)}, not {' '.join(said)}")
     return wrong
 
 

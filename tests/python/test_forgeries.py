@@ -22,11 +22,10 @@ def test_no_forgery_is_accepted(kind: str, tmp_path: Path) -> None:
     library = PROGRAM.parent / "library" / "libhausbench.so"
     c = forgeries.CLibrary(library) if library.exists() else None
     program = PROGRAM if PROGRAM.exists() else None
-    for i, one in enumerate(forgeries.forgeries(kind, 40, 7, tmp_path)):
-        assert forgeries.accepted_by(one, tmp_path, c, program if i % 10 == 0 else None) == [], (
-            i,
-            one.header,
-        )
+    for i, forgery in enumerate(forgeries.forgeries(kind, 40, 7, tmp_path)):
+        assert (
+            forgeries.accepted_by(forgery, tmp_path, c, program if i % 10 == 0 else None) == []
+        ), (i, forgery.header)
 
 
 def test_true_proofs_are_accepted(tmp_path: Path) -> None:

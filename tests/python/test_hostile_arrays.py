@@ -178,8 +178,8 @@ def test_degenerate_and_duplicate_faces(tetrahedron: Mesh) -> None:
     vertices, faces = tetrahedron
     expected = hb.directed(tetrahedron, np.zeros((1, 3))).interval
     doubled = np.vstack([faces, faces, [[0, 0, 0]], [[1, 1, 2]]])
-    found = hb.directed((vertices, doubled), np.zeros((1, 3))).interval
-    assert found.lower <= expected.upper and expected.lower <= found.upper
+    interval = hb.directed((vertices, doubled), np.zeros((1, 3))).interval
+    assert interval.lower <= expected.upper and expected.lower <= interval.upper
 
 
 def test_huge_and_tiny_coordinates() -> None:

@@ -81,7 +81,7 @@ def test_types(tmp_path: Path) -> None:
         "import hausbench as hb\nimport numpy as np\nanswer = hb.directed(np.zeros((1, 3)), ([[0, 0, 0]], [[0, 0, 0]]))\n"
         "reveal_type(answer.interval.upper)\nreveal_type(hb.within('a.ply', 'b.ply', 0.1))\n"
     )
-    found = run(
+    done = run(
         "-m",
         "mypy",
         "--strict",
@@ -91,10 +91,10 @@ def test_types(tmp_path: Path) -> None:
         MYPYPATH=search,
     )
     assert (
-        '"builtins.float"' in found.stdout
-        and '"builtins.bool"' in found.stdout
-        and "error" not in found.stdout
-    ), found.stdout
+        '"builtins.float"' in done.stdout
+        and '"builtins.bool"' in done.stdout
+        and "error" not in done.stdout
+    ), done.stdout
 
 
 def resident() -> int:
@@ -102,19 +102,19 @@ def resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
-@pytest.mark.parametrize("what", ["directed", "prepared", "error", "distribution"])
-def test_memory_does_not_grow(cube: Mesh, what: str) -> None:
+@pytest.mark.parametrize("call", ["directed", "prepared", "error", "distribution"])
+def test_memory_does_not_grow(cube: Mesh, call: str) -> None:
     vertices, faces = cube
     moved = vertices + [0.1, 0.2, 0.3]
     wrong = np.where(np.arange(24).reshape(8, 3) == 7, np.nan, vertices)
     prepared, source = hb.prepare((moved, faces)), hb.Shape(vertices, faces)
 
     def ask() -> None:
-        if what == "directed":
+        if call == "directed":
             hb.directed((vertices, faces), (moved, faces))
-        elif what == "prepared":
+        elif call == "prepared":
             prepared.directed(source, pose=np.eye(4))
-        elif what == "distribution":
+        elif call == "distribution":
             hb.distribution(vertices, moved)
         else:
             with pytest.raises(hb.InputError):
@@ -173,12 +173,12 @@ def test_results(tmp_path: Path) -> None:
 
 def test_results_of_other_files(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
-    other = tmp_path / "other.h5"
-    with h5py.File(other, "w") as file:
+    foreign = tmp_path / "other.h5"
+    with h5py.File(foreign, "w") as file:
         file["x"] = [1]
     text = tmp_path / "text.h5"
     text.write_text("no result")
-    for path in (other, text, tmp_path / "gone.h5", tmp_path):
+    for path in (foreign, text, tmp_path / "gone.h5", tmp_path):
         with pytest.raises(hb.InputError, match="hausbench run"):
             hb.Results(path)
 

@@ -39,13 +39,13 @@ def test_a_file_without_unit_and_axes(triangle: Path) -> None:
 
 
 def test_options(triangle: Path) -> None:
-    other = triangle.with_suffix(".obj")
-    triangle.rename(other)
-    shape = hb.read(other, format="off", unit="Inch", up="y")
+    renamed = triangle.with_suffix(".obj")
+    triangle.rename(renamed)
+    shape = hb.read(renamed, format="off", unit="Inch", up="y")
     assert shape.unit == 0.0254 and shape.up == "Y" and len(shape.notes) == 2
     assert "inch" in shape.notes[0] and "Y" in shape.notes[1]
     assert shape.vertices.tolist() == [[0, 0, 0], [1, 2, 0], [0, 1, 3]]
-    bare = hb.read(other, format="OFF", unit="none", up="none")
+    bare = hb.read(renamed, format="OFF", unit="none", up="none")
     assert bare.unit is None and bare.up is None and bare.notes == ()
 
 
@@ -123,15 +123,15 @@ def test_different_axes_are_refused(triangle: Path) -> None:
 )
 def test_copies_keep_unit_axes_and_notes(triangle: Path, duplicate: Any) -> None:
     shape = hb.read(triangle, unit="ft", up="Z")
-    other = duplicate(shape)
-    assert (other.unit, other.up, other.notes) == (
+    twin = duplicate(shape)
+    assert (twin.unit, twin.up, twin.notes) == (
         shape.unit,
         "Z",
         shape.notes,
     ) and shape.unit == 0.3048
-    assert hb.directed(shape, other).interval.contains(0)
+    assert hb.directed(shape, twin).interval.contains(0)
     with pytest.raises(hb.InputError, match="is in ft and B .* in mm"):
-        hb.directed(other, hb.read(triangle, unit="mm"))
+        hb.directed(twin, hb.read(triangle, unit="mm"))
 
 
 def test_a_copy_keeps_the_counts(tetrahedron: Mesh) -> None:

@@ -76,6 +76,6 @@ def test_the_bits_of_the_program(program: str, symmetric: bool, tmp_path: Path) 
     for row, pair, paths in zip(rows, pairs, files):
         said = hb.Interval(float(row["lower"]), float(row["upper"]))
         for a, b in (pair, paths):
-            if (found := ask(a, b).interval) != said:
-                differ.append((row["A"], row["B"], said, found))
+            if (answer := ask(a, b).interval) != said:
+                differ.append((row["A"], row["B"], said, answer))
     assert differ == []

@@ -139,13 +139,14 @@ def test_answers_of_threads_are_those_of_one(shared: bool) -> None:
         for k in range(12):
             number = (first + k) % 4
             if shared:
-                found = prepared.directed(
+                interval = prepared.directed(
                     shapes[number][0]
                 ).interval  # chains that another thread uses are not used
                 if not (
-                    found.lower <= expected[number].upper and expected[number].lower <= found.upper
+                    interval.lower <= expected[number].upper
+                    and expected[number].lower <= interval.upper
                 ):
-                    wrong.append((number, found))
+                    wrong.append((number, interval))
             elif hb.directed(*shapes[number]).interval != expected[number]:
                 wrong.append(number)
 

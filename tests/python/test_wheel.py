@@ -78,7 +78,7 @@ def test_every_library_has_its_licence_and_its_source(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     listed = next(name for name in names if name.endswith("/licenses/LIBRARIES.txt"))
     text = zipfile.ZipFile(wheel).read(listed).decode()
-    known = {
+    libraries = {
         library["name"].split(".so")[0]
         for library in tomllib.loads((ROOT / "tests/library/licences.toml").read_text())["library"]
     }
@@ -86,7 +86,7 @@ def test_every_library_has_its_licence_and_its_source(wheel: Path) -> None:
         line = next(line for line in text.splitlines() if line.startswith(name))
         assert f"{listed.rsplit('/', 1)[0]}/{line.split('licence in ')[1].split(';')[0]}" in names
         assert re.search(r"Debian source package \S+ \S+$", line)
-        assert Path(name).name.rsplit("-", 1)[0] in known
+        assert Path(name).name.rsplit("-", 1)[0] in libraries
 
 
 def test_the_tag_says_which_systems_it_runs_on(wheel: Path) -> None:

@@ -124,7 +124,7 @@ def test_pages_load_without_a_message(browser: Any, report: Path) -> None:
         opened(browser, report, page)
         time.sleep(0.2)
         assert [
-            one for one in browser.get_log("browser") if one["source"] != "rendering"
+            entry for entry in browser.get_log("browser") if entry["source"] != "rendering"
         ] == [], page
         assert browser.execute_script("return document.querySelector('h1').textContent")
 
@@ -217,11 +217,11 @@ def test_axe_finds_nothing_serious(browser: Any, report: Path, tmp_path: Path, s
         opened(browser, report, page)
         time.sleep(0.1)
         browser.execute_script(script)
-        found = browser.execute_async_script("axe.run().then(arguments[0])")["violations"]
+        violations = browser.execute_async_script("axe.run().then(arguments[0])")["violations"]
         serious = [
-            (one["id"], one["nodes"][0]["html"][:200])
-            for one in found
-            if one["impact"] in ("serious", "critical")
+            (violation["id"], violation["nodes"][0]["html"][:200])
+            for violation in violations
+            if violation["impact"] in ("serious", "critical")
         ]
         assert serious == [], page
 
@@ -255,8 +255,8 @@ def share_drawn(browser: Any) -> float:
 def waits(browser: Any, script: str) -> Any:
     """Returns the value of a script once it is not null or false, for at most ten seconds."""
     for _ in range(100):
-        if found := browser.execute_script(script):
-            return found
+        if value := browser.execute_script(script):
+            return value
         time.sleep(0.1)
     pytest.fail(f"never became true: {script}")
 

@@ -34,19 +34,19 @@ def missing() -> str:
 
 def free_ports(count: int) -> list[int]:
     held = [socket.socket() for _ in range(count)]
-    for one in held:
-        one.bind(("127.0.0.1", 0))
-    ports = [int(one.getsockname()[1]) for one in held]
-    for one in held:
-        one.close()
+    for listener in held:
+        listener.bind(("127.0.0.1", 0))
+    ports = [int(listener.getsockname()[1]) for listener in held]
+    for listener in held:
+        listener.close()
     return ports
 
 
-def wait_until(what: str, holds: Callable[[], bool], seconds: float = 60) -> None:
+def wait_until(event: str, holds: Callable[[], bool], seconds: float = 60) -> None:
     end = time.monotonic() + seconds
     while not holds():
         if time.monotonic() > end:
-            raise TimeoutError(f"{what}: not within {seconds:.0f} s")
+            raise TimeoutError(f"{event}: not within {seconds:.0f} s")
         time.sleep(0.1)
 
 
@@ -169,7 +169,7 @@ class Slurm:
     def steps(self, node: str) -> list[int]:
         """Returns Slurm's processes that supervise the node's tasks; each has the node's spool
         folder or log open."""
-        found = []
+        pids = []
         for process in Path("/proc").iterdir():
             if not process.name.isdecimal():
                 continue
@@ -183,8 +183,8 @@ class Slurm:
                 name.startswith((f"{self.folder}/{node}.log", f"{self.folder}/{node}/"))
                 for name in opened
             ):
-                found.append(int(process.name))
-        return found
+                pids.append(int(process.name))
+        return pids
 
     def states(self) -> dict[str, str]:
         """Returns the state of each node: `idle`, `mixed`, `down*`, ..."""
@@ -209,11 +209,11 @@ class Slurm:
 
 
 def descendants(pid: int) -> list[int]:
-    found = [pid]
-    for one in found:
-        for thread in Path(f"/proc/{one}/task").glob("*/children"):
+    pids = [pid]
+    for process in pids:
+        for thread in Path(f"/proc/{process}/task").glob("*/children"):
             try:
-                found += [int(child) for child in thread.read_text().split()]
+                pids += [int(child) for child in thread.read_text().split()]
             except OSError:
                 pass
-    return found[1:]
+    return pids[1:]

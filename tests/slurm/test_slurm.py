@@ -85,28 +85,27 @@ def rows(file: Path) -> dict[str, tuple[object, ...]]:
             for name in ("identity", "status", "lower", "upper", "witness_source", "witness_target")
         ]
         side_by_side = cases["side_by_side"][()]
-    found = {
-        one[0]: tuple(
-            value.tobytes() if isinstance(value, np.ndarray) else value for value in one[1:]
+    by_identity = {}
+    for identity, *values in zip(*columns):
+        by_identity[identity] = tuple(
+            value.tobytes() if isinstance(value, np.ndarray) else value for value in values
         )
-        for one in zip(*columns)
-    }
-    assert len(found) == len(columns[0]) == 3 * SCENES
+    assert len(by_identity) == len(columns[0]) == 3 * SCENES
     assert len(set(side_by_side)) == 1
-    return found
+    return by_identity
 
 
 def runs_shard(number: int) -> list[int]:
     """Returns the processes that run this shard."""
-    found = []
+    pids = []
     for process in Path("/proc").iterdir():
         try:
             words = (process / "cmdline").read_bytes().split(b"\0")
         except OSError:
             continue
         if f"{number}/{SHARDS}".encode() in words and b"run" in words:
-            found.append(int(process.name))
-    return found
+            pids.append(int(process.name))
+    return pids
 
 
 def finished(slurm: Slurm, file: Path, results: Path) -> int:

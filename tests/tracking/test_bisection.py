@@ -83,9 +83,9 @@ sys.exit(bisection.main(sys.argv[1:]))
 
 def git(scratch: Path, *words: str) -> str:
     who = {
-        f"GIT_{role}_{what}": "a@b"
+        f"GIT_{role}_{field}": "a@b"
         for role in ("AUTHOR", "COMMITTER")
-        for what in ("NAME", "EMAIL")
+        for field in ("NAME", "EMAIL")
     } | {"GIT_CONFIG_GLOBAL": os.devnull}
     return subprocess.run(
         ["git", "-C", str(scratch), *words],
@@ -165,11 +165,11 @@ def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(
     ]
     commits = repository(tmp_path, works)
     assert run(tmp_path, monkeypatch, commits[0], commits[8]) == 0
-    said = capfd.readouterr()
-    assert "first bad commit:" in said.out and said.out.splitlines()[1].endswith("change 6")
-    assert f"before: {commits[5][:10]}: bound_tests 100" in said.out
-    assert f"after: {commits[6][:10]}: bound_tests 160" in said.out
-    assert f"{commits[4][:10]} is skipped" in said.err
+    output = capfd.readouterr()
+    assert "first bad commit:" in output.out and output.out.splitlines()[1].endswith("change 6")
+    assert f"before: {commits[5][:10]}: bound_tests 100" in output.out
+    assert f"after: {commits[6][:10]}: bound_tests 160" in output.out
+    assert f"{commits[4][:10]} is skipped" in output.err
     tree = tmp_path / "build" / "versions" / "bisect"
     assert (
         subprocess.run(
@@ -192,10 +192,10 @@ def test_what_cannot_be_told_apart_is_said(
         [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)],
     )
     assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 1
-    said = capfd.readouterr()
-    assert "one of these" in said.out
-    assert all(f"change {i}" in said.out for i in (1, 2, 3)) and "change 0" not in said.out
-    assert f"good: {commits[0][:10]}: instructions 9,000" in said.err
+    output = capfd.readouterr()
+    assert "one of these" in output.out
+    assert all(f"change {i}" in output.out for i in (1, 2, 3)) and "change 0" not in output.out
+    assert f"good: {commits[0][:10]}: instructions 9,000" in output.err
 
 
 def test_what_lies_in_the_way_is_undone(
@@ -216,10 +216,10 @@ def test_what_lies_in_the_way_is_undone(
     git(tree, "bisect", "start", commits[7], commits[6])
     (tree / "work.json").write_text(json.dumps(work(12345)))
     assert run(tmp_path, monkeypatch, commits[0], commits[9]) == 0
-    said = capfd.readouterr()
+    output = capfd.readouterr()
     assert (
-        said.out.splitlines()[1].endswith("change 6")
-        and f"good: {commits[0][:10]}: bound_tests 9\n" in said.err
+        output.out.splitlines()[1].endswith("change 6")
+        and f"good: {commits[0][:10]}: bound_tests 9\n" in output.err
     )
     assert not git(tree, "status", "--porcelain", "work.json")
 
@@ -253,10 +253,10 @@ def test_a_measurement_starts_from_what_the_commit_has(
     install_fakes(tmp_path, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     (tmp_path / "work.json").write_text(json.dumps(work(5)))
-    found = bisection.measure(
+    measured = bisection.measure(
         tmp_path, bisection.case_named(CASE, tmp_path / "tracked.toml"), "counters"
     )
-    assert found.counters["bound_tests"] == 100
+    assert measured.counters["bound_tests"] == 100
 
 
 def test_a_search_whose_step_fails_names_no_commit(
@@ -267,8 +267,8 @@ def test_a_search_whose_step_fails_names_no_commit(
         run(tmp_path, monkeypatch, commits[0], commits[3], before="import sys; sys.exit(200)\n")
         == 2
     )
-    said = capfd.readouterr()
-    assert "git bisect run ended with" in said.err and "first bad commit" not in said.out
+    output = capfd.readouterr()
+    assert "git bisect run ended with" in output.err and "first bad commit" not in output.out
     assert (
         run(tmp_path, monkeypatch, commits[0], commits[3]) == 0
     )  # its leftovers do not disturb the next search
@@ -332,8 +332,8 @@ def test_histories_that_do_not_meet(
     git(tmp_path, "checkout", "--quiet", "--orphan", "other")
     git(tmp_path, "commit", "--quiet", "-m", "other")
     assert run(tmp_path, monkeypatch, "other", commits[2]) == 2
-    said = capsys.readouterr().err
-    assert "have no commit in common here" in said and "shallow" not in said
+    output = capsys.readouterr().err
+    assert "have no commit in common here" in output and "shallow" not in output
     # A clone without the commits in between.
     shallow = tmp_path / "shallow"
     git(tmp_path, "tag", "first", commits[0])

@@ -108,8 +108,8 @@ def test_a_scene_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 def test_cases_are_chosen_by_how_their_names_begin() -> None:
-    found = [case.name for case in chosen(["scan", "guthe on mesh"], cases())]
-    assert found == [
+    names = [case.name for case in chosen(["scan", "guthe on mesh"], cases())]
+    assert names == [
         "scan on points nearly equal",
         "scan on points apart",
         "guthe on mesh to its half",
@@ -155,13 +155,13 @@ def test_a_result_is_read(tmp_path: Path) -> None:
 
 
 def test_the_order_of_the_shapes_does_not_matter(tmp_path: Path) -> None:
-    one, other = result(tmp_path / "1.h5", ["ok"]), result(tmp_path / "2.h5", ["ok"])
-    with h5py.File(other, "a") as file:
+    first, second = result(tmp_path / "1.h5", ["ok"]), result(tmp_path / "2.h5", ["ok"])
+    with h5py.File(second, "a") as file:
         file["models/sha256"][...] = np.array(["a", "b"], dtype=object)
-    assert read(one).shapes == read(other).shapes
-    with h5py.File(other, "a") as file:
+    assert read(first).shapes == read(second).shapes
+    with h5py.File(second, "a") as file:
         file["models/sha256"][...] = np.array(["a", "c"], dtype=object)
-    assert read(one).shapes != read(other).shapes
+    assert read(first).shapes != read(second).shapes
 
 
 def test_rows_without_an_answer_are_not_measured(tmp_path: Path) -> None:
@@ -199,17 +199,17 @@ def test_each_block_has_a_copy_of_its_program_that_is_gone_afterwards(tmp_path: 
     program.write_text("#!/bin/sh\necho $0\n")
     program.chmod(0o755)
     (tmp_path / "commit.json").write_text("{}")
-    with fresh_copy(program) as one, fresh_copy(program) as other:
+    with fresh_copy(program) as first, fresh_copy(program) as second:
         assert (
-            one != other
-            and one.parent == tmp_path / "again"
-            and blocks.run([str(one)], tmp_path) == f"{one}\n"
+            first != second
+            and first.parent == tmp_path / "again"
+            and blocks.run([str(first)], tmp_path) == f"{first}\n"
         )
-        assert (one.parent / "commit.json").is_file()
-    with fresh_copy(program, tmp_path / "tree") as one:
+        assert (first.parent / "commit.json").is_file()
+    with fresh_copy(program, tmp_path / "tree") as copy:
         assert (
-            one.parent == tmp_path / "tree" / "build" / "again"
-            and (one.parent / "commit.json").is_file()
+            copy.parent == tmp_path / "tree" / "build" / "again"
+            and (copy.parent / "commit.json").is_file()
         )
     with pytest.raises(NotMeasured), fresh_copy(program):
         raise NotMeasured("why")
@@ -252,7 +252,6 @@ def test_the_program_measures_a_block(case: Case, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not BENCH.is_file(), reason="kernel_bench is not built")
 def test_kernel_bench_has_every_tracked_kernel(tmp_path: Path) -> None:
-    found = measure_kernels(BENCH, [kernel.name for kernel in KERNELS], tmp_path)
-    assert set(found) == {kernel.name for kernel in KERNELS} and all(
-        0 < seconds < 1 for seconds in found.values()
-    )
+    times = measure_kernels(BENCH, [kernel.name for kernel in KERNELS], tmp_path)
+    assert set(times) == {kernel.name for kernel in KERNELS}
+    assert all(0 < seconds < 1 for seconds in times.values())

@@ -39,13 +39,13 @@ def work(
 
 
 def test_equal_counters_pass(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = work(monkeypatch, {"node_visits": 1000, "queue_pushes": 5})
-    assert found.verdict is Verdict.passed and not found.lines
+    outcome = work(monkeypatch, {"node_visits": 1000, "queue_pushes": 5})
+    assert outcome.verdict is Verdict.passed and not outcome.lines
 
 
 def test_one_more_node_visit_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = work(monkeypatch, {"node_visits": 1001, "queue_pushes": 5})
-    assert found.verdict is Verdict.red and found.lines == [
+    outcome = work(monkeypatch, {"node_visits": 1001, "queue_pushes": 5})
+    assert outcome.verdict is Verdict.red and outcome.lines == [
         "guthe on a mesh: node_visits was 1,000, is 1,001 (+0.1 %)"
     ]
 
@@ -65,28 +65,29 @@ def test_less_work_and_new_work_are_told_too(
 
 
 def test_other_shapes_are_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = work(monkeypatch, {"node_visits": 7}, shapes="of another library")
+    outcome = work(monkeypatch, {"node_visits": 7}, shapes="of another library")
     assert (
-        found.verdict is Verdict.nothing_measured and "its shapes are not those" in found.lines[0]
+        outcome.verdict is Verdict.nothing_measured
+        and "it has other shapes than" in outcome.lines[0]
     )
 
 
 def test_a_case_whose_models_are_not_at_hand_is_not_measured(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    found = work(monkeypatch, NotMeasured("skipped: not fetched", skipped=True))
-    assert found.verdict is Verdict.nothing_measured and "not fetched" in found.lines[0]
+    outcome = work(monkeypatch, NotMeasured("skipped: not fetched", skipped=True))
+    assert outcome.verdict is Verdict.nothing_measured and "not fetched" in outcome.lines[0]
 
 
 def test_a_case_without_an_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = work(monkeypatch, NotMeasured("time_limit: not within 20 s"))
-    assert found.verdict is Verdict.red and "no answer: time_limit" in found.lines[0]
+    outcome = work(monkeypatch, NotMeasured("time_limit: not within 20 s"))
+    assert outcome.verdict is Verdict.red and "no answer: time_limit" in outcome.lines[0]
 
 
 def test_a_case_without_a_baseline_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a failure, a new case or a lost baseline would go unnoticed."""
-    found = work(monkeypatch, {"node_visits": 1}, baseline={})
-    assert found.verdict is Verdict.red and "--update" in found.lines[0]
+    outcome = work(monkeypatch, {"node_visits": 1}, baseline={})
+    assert outcome.verdict is Verdict.red and "--update" in outcome.lines[0]
 
 
 @pytest.mark.parametrize(
@@ -139,11 +140,11 @@ def instructions(
 
 @needs_valgrind
 def test_another_machine_has_nothing_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(monkeypatch, 1000, {"of another machine": {"guthe on a mesh": 1}})
+    outcome = instructions(monkeypatch, 1000, {"of another machine": {"guthe on a mesh": 1}})
     assert (
-        found.verdict is Verdict.nothing_measured
-        and "g++ 12" in found.lines[0]
-        and not found.measured
+        outcome.verdict is Verdict.nothing_measured
+        and "g++ 12" in outcome.lines[0]
+        and not outcome.measured
     )
 
 
@@ -163,39 +164,39 @@ def test_instructions_against_the_table_of_this_machine(
 
 @needs_valgrind
 def test_what_could_not_be_counted_is_red_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(
+    outcome = instructions(
         monkeypatch,
         NotMeasured("no end within 600 s"),
         {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
     )
     assert (
-        found.verdict is Verdict.red
-        and "no end within 600 s" in found.lines[0]
-        and "guthe on a mesh" not in found.measured
+        outcome.verdict is Verdict.red
+        and "no end within 600 s" in outcome.lines[0]
+        and "guthe on a mesh" not in outcome.measured
     )
-    found = instructions(
+    outcome = instructions(
         monkeypatch,
         NotMeasured("not fetched", skipped=True),
         {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
     )
-    assert found.verdict is Verdict.passed and "not fetched" in found.lines[0]
+    assert outcome.verdict is Verdict.passed and "not fetched" in outcome.lines[0]
 
 
 @needs_valgrind
 def test_what_the_table_does_not_have_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(monkeypatch, 1000, {KEY: {"build/bvh": 10}})
-    assert found.verdict is Verdict.red and "no baseline" in found.lines[0]
+    outcome = instructions(monkeypatch, 1000, {KEY: {"build/bvh": 10}})
+    assert outcome.verdict is Verdict.red and "no baseline" in outcome.lines[0]
 
 
 @needs_valgrind
 def test_instructions_of_other_shapes_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(
+    outcome = instructions(
         monkeypatch,
         5000,
         {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}},
         shapes="of another library",
     )
-    assert found.verdict is Verdict.passed and "its shapes are not those" in found.lines[0]
+    assert outcome.verdict is Verdict.passed and "it has other shapes than" in outcome.lines[0]
 
 
 @needs_valgrind
@@ -450,7 +451,7 @@ def test_counts_of_all_processes_are_added_up_over_one_repeat(
 ) -> None:
     """Fakes valgrind and the program: the processes' counts, 0, 700 and 20, are added. The
     experiment asks for 3 repeats, but one is run."""
-    asked = []
+    requests = []
 
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:
         out = Path(
@@ -460,7 +461,7 @@ def test_counts_of_all_processes_are_added_up_over_one_repeat(
         (out / "2").write_text("events: Ir\n\nfl=(1) solve.cpp\nfn=(1) solve\n3 700\n")
         (out / "3").write_text("fl=(1) solve.cpp\nfn=(1) solve\n3 20\n")
         (out / "log.3").write_text("3 1000\n")
-        asked.append(
+        requests.append(
             (tomllib.loads(Path(command[command.index("run") + 1]).read_text())["repeats"], limit)
         )
         return ""
@@ -471,4 +472,4 @@ def test_counts_of_all_processes_are_added_up_over_one_repeat(
         720,
         "shapes",
     )
-    assert asked == [(1, counted.CALLGRIND_LIMIT)]
+    assert requests == [(1, counted.CALLGRIND_LIMIT)]

@@ -71,14 +71,14 @@ def judged(
 
 def with_a_plant(rng: np.random.Generator, cases: int, noise: float = 0.006) -> list[Judged]:
     """Returns unchanged cases, the first of which also has measurements with a planted slowdown."""
-    found = [judge(str(i), sides(rng, noise=noise), CASES) for i in range(cases)]
+    unchanged = [judge(str(i), sides(rng, noise=noise), CASES) for i in range(cases)]
     plant, more = (sides(rng, slower=PLANTED, noise=noise) for _ in range(2))
     return [
         replace(
-            found[0],
+            unchanged[0],
             planted=compare(plant.candidate + more.candidate, plant.base + more.base, CASES),
         ),
-        *found[1:],
+        *unchanged[1:],
     ]
 
 
@@ -94,9 +94,9 @@ def test_an_unchanged_build_never_alarms_and_a_planted_slowdown_is_seen() -> Non
 def test_five_per_cent_is_caught() -> None:
     rng = np.random.default_rng(2)
     for _ in range(60):
-        one = judge("slow", sides(rng, slower=0.05), CASES)
-        assert one.alarms
-        confirmed = replace(one, second=judge("slow", sides(rng, slower=0.05), CASES).ratio)
+        case = judge("slow", sides(rng, slower=0.05), CASES)
+        assert case.alarms
+        confirmed = replace(case, second=judge("slow", sides(rng, slower=0.05), CASES).ratio)
         assert verdict_of_times([GOOD, confirmed])[0] is Verdict.red
 
 
@@ -125,14 +125,11 @@ def test_a_clock_that_toggles_hides_little_of_five_per_cent_from_72_blocks() -> 
             * np.exp(0.003 * rng.standard_normal(count))
         )
 
-    seen = {
-        count: [
-            judge("slow", Sides(clock(count, 1), clock(count, 1.05)), CASES).alarms
-            for _ in range(300)
-        ]
-        for count in (36, 72)
-    }
-    assert sum(seen[36]) < 220 and sum(seen[72]) >= 280
+    def alarms_of_300(count: int) -> int:
+        pairs = [Sides(clock(count, 1), clock(count, 1.05)) for _ in range(300)]
+        return sum(judge("slow", pair, CASES).alarms for pair in pairs)
+
+    assert alarms_of_300(36) < 220 and alarms_of_300(72) >= 280
     assert not any(
         judge("unchanged", Sides(clock(72, 1), clock(72, 1)), CASES).alarms for _ in range(300)
     )
@@ -143,7 +140,7 @@ def test_every_alarm_is_of_a_suspect() -> None:
     must not raise an alarm."""
     rng = np.random.default_rng(8)
     drawn = [sides(rng, slower=much) for much in np.linspace(0, 0.06, 200)]
-    assert all(gate.suspected(one) for one in drawn if judge("case", one, CASES).alarms)
+    assert all(gate.suspected(case) for case in drawn if judge("case", case, CASES).alarms)
     assert gate.suspected(Sides([1.0] * 24, [1.03] * 24)) and not gate.suspected(
         Sides([1.0] * 24, [1.01] * 24)
     )
@@ -159,9 +156,9 @@ def test_the_threshold_is_that_of_the_lower_end() -> None:
 def test_many_cases_need_wider_intervals() -> None:
     rng = np.random.default_rng(5)
     base, candidate = list(machine(rng)), list(machine(rng))
-    one, many = compare(candidate, base, 1), compare(candidate, base, 200)
-    assert many.low < one.low and one.high < many.high
-    assert one.coverage >= 0.95 and many.coverage >= 1 - 0.05 / 200
+    alone, many = compare(candidate, base, 1), compare(candidate, base, 200)
+    assert many.low < alone.low and alone.high < many.high
+    assert alone.coverage >= 0.95 and many.coverage >= 1 - 0.05 / 200
 
 
 def test_too_few_blocks_for_so_many_cases_is_an_error() -> None:
@@ -175,8 +172,8 @@ def test_blocks_are_paired_so_that_what_disturbs_both_sides_cancels() -> None:
     """The machine slows down gradually by a factor of 1.5, and the candidate is always 5 %
     slower."""
     drift = np.linspace(1, 1.5, BLOCKS)
-    found = judge("drift", Sides(list(drift), list(1.05 * drift)), CASES)
-    assert found.ratio.value == pytest.approx(1.05) and found.alarms
+    judged = judge("drift", Sides(list(drift), list(1.05 * drift)), CASES)
+    assert judged.ratio.value == pytest.approx(1.05) and judged.alarms
 
 
 @pytest.mark.parametrize(
@@ -211,16 +208,16 @@ def test_blocks_of_two_kinds_are_noise_and_no_slowdown() -> None:
 
 
 def test_the_other_way_round() -> None:
-    other = gate.inverse(Estimate(2.0, 1.6, 4.0, 10, 0.99))
-    assert (other.value, other.low, other.high) == (0.5, 0.25, 0.625)
+    inverse = gate.inverse(Estimate(2.0, 1.6, 4.0, 10, 0.99))
+    assert (inverse.value, inverse.low, inverse.high) == (0.5, 0.25, 0.625)
 
 
 def test_times_are_of_the_base() -> None:
-    found = judge("case", Sides([1.0] * 36, [2.0] * 36), CASES)
+    judged = judge("case", Sides([1.0] * 36, [2.0] * 36), CASES)
     assert (
-        found.ratio.value == pytest.approx(2.0)
-        and found.base_seconds == 1.0
-        and not found.planted.n
+        judged.ratio.value == pytest.approx(2.0)
+        and judged.base_seconds == 1.0
+        and not judged.planted.n
     )
 
 
@@ -233,17 +230,17 @@ def test_what_is_decided_early_is_what_all_blocks_would_say(count: int, cases: i
     undecided = 0
     for above in range(count + 1):
         for below in range(count + 1 - above):
-            found = Sides([1.0] * (above + below), [slow] * above + [fine] * below)
-            if not gate.decided(found, count, cases):
+            measured = Sides([1.0] * (above + below), [slow] * above + [fine] * below)
+            if not gate.decided(measured, count, cases):
                 undecided += 1
                 continue
             left = count - above - below
             ends = {
-                alarms(compare(found.candidate + [rest] * left, [1.0] * count, cases))
+                alarms(compare(measured.candidate + [rest] * left, [1.0] * count, cases))
                 for rest in (slow, fine)
             }
             assert ends == {
-                alarms(compare(found.candidate, found.base, cases))
+                alarms(compare(measured.candidate, measured.base, cases))
             }, "and the interval of what there is says the same"
     assert undecided > count and not gate.decided(Sides([1.0] * 23, [fine] * 23), count, cases)
 

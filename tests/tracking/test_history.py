@@ -54,8 +54,8 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert read(file) == []
     single = dataclasses.replace(EMPTY, cpu_seconds=1.5, blocks=1)
     write(file, [ROW, single])
-    found = read(file)
-    assert found[0] == ROW and repr(found[1]) == repr(single)  # repr, because NaN != NaN
+    rows = read(file)
+    assert rows[0] == ROW and repr(rows[1]) == repr(single)  # repr, because NaN != NaN
     lines = file.read_text().splitlines()
     assert lines[1] == (
         'aaaaaaaaaa,2026-01-01T00:00:00Z,"a machine, 2 cores",2026-05-05T05:05:05Z,guthe on mesh,'
@@ -84,7 +84,7 @@ def test_runs_are_in_order_and_each_keeps_its_own(tmp_path: Path) -> None:
 def test_the_file_is_whole_at_any_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "history.csv"
     write(file, [ROW])
-    held, seen = file.open(), []
+    stream, seen = file.open(), []
 
     def replace(new: Path, target: Path) -> Path:
         seen.append((read(file), read(new), target))
@@ -94,8 +94,8 @@ def test_the_file_is_whole_at_any_time(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(Path, "replace", replace)
     write(file, [ROW, EMPTY])
     assert [(len(old), len(new), target) for old, new, target in seen] == [(1, 2, file)]
-    with held:
-        assert len(held.readlines()) == 2  # a reader that has the old file open can finish
+    with stream:
+        assert len(stream.readlines()) == 2  # a reader that has the old file open can finish
 
 
 def test_a_run_only_adds(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_a_run_only_adds(tmp_path: Path) -> None:
 
 
 def test_runs_at_once_lose_nothing(tmp_path: Path) -> None:
-    def one(number: int) -> None:
+    def add_rows(number: int) -> None:
         for blocks_ in range(1, 6):
             add(
                 tmp_path / "h.csv",
@@ -125,14 +125,13 @@ def test_runs_at_once_lose_nothing(tmp_path: Path) -> None:
                 ],
             )
 
-    threads = [threading.Thread(target=one, args=(number,)) for number in range(8)]
+    threads = [threading.Thread(target=add_rows, args=(number,)) for number in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert [(row.measured[-3:-1], row.blocks) for row in read(tmp_path / "h.csv")] == [
-        (f"{number:02}", 5) for number in range(8)
-    ]
+    expected = [(f"{number:02}", 5) for number in range(8)]
+    assert [(row.measured[-3:-1], row.blocks) for row in read(tmp_path / "h.csv")] == expected
 
 
 GOOD = (
@@ -141,7 +140,7 @@ GOOD = (
 
 
 @pytest.mark.parametrize(
-    ("bad", "what"),
+    ("bad", "reason"),
     [
         ("<<<<<<< HEAD", "1 cells"),
         (GOOD.replace("0.009", "-1"), "-1 is not a time"),
@@ -159,12 +158,12 @@ GOOD = (
         (GOOD, "there twice"),
     ],
 )
-def test_a_bad_line_is_named_with_a_remedy(tmp_path: Path, bad: str, what: str) -> None:
+def test_a_bad_line_is_named_with_a_remedy(tmp_path: Path, bad: str, reason: str) -> None:
     file = tmp_path / "history.csv"
     file.write_text("\n".join([",".join(COLUMNS), GOOD, bad]) + "\n")
     with pytest.raises(ValueError, match=re.escape(f"{file}, line 3: ")) as problem:
         read(file)
-    assert what in str(problem.value) and "git checkout" in str(problem.value)
+    assert reason in str(problem.value) and "git checkout" in str(problem.value)
 
 
 def test_another_file_is_refused(tmp_path: Path) -> None:
@@ -175,11 +174,11 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
 
 def commit_in(folder: Path, *words: str) -> str:
     """Makes a commit with a fixed date, and returns ten digits of its hash."""
-    known = {"NAME": "a", "EMAIL": "a@b", "DATE": "1767225600 +0000"}
+    identity = {"NAME": "a", "EMAIL": "a@b", "DATE": "1767225600 +0000"}
     who = {
-        f"GIT_{role}_{what}": value
+        f"GIT_{role}_{field}": value
         for role in ("AUTHOR", "COMMITTER")
-        for what, value in known.items()
+        for field, value in identity.items()
     }
     git = ["git", "-C", str(folder)]
     subprocess.run(
@@ -320,8 +319,8 @@ class World:
         patch.setattr(counted, "count_case", self.count_case)
         patch.setattr(counted, "count_kernel", lambda program, kernel, folder: (77, ""))
 
-    def count_case(self, program: Path, one: Case, folder: Path) -> tuple[int, str]:
-        if one.name != "old":
+    def count_case(self, program: Path, case: Case, folder: Path) -> tuple[int, str]:
+        if case.name != "old":
             raise NotMeasured("it does not run under valgrind")
         return 1000, "shapes"
 
@@ -336,24 +335,24 @@ class World:
             self.folder / revision,
         )
 
-    def measure(self, program: Path, one: Case, folder: Path) -> Block:
+    def measure(self, program: Path, case: Case, folder: Path) -> Block:
         commit = program.parents[2].name
         assert folder.is_dir() and folder.is_relative_to(program.parents[2])
-        self.order.append((one.name, commit))
+        self.order.append((case.name, commit))
         if len(self.order) > self.stop_after:
             raise KeyboardInterrupt
-        if one.name == "new" and commit[0] == "1":
+        if case.name == "new" and commit[0] == "1":
             raise NotMeasured("unknown solver")
-        count = self.order.count((one.name, commit))
-        if one.name == "odd" and commit[0] == "1":
+        count = self.order.count((case.name, commit))
+        if case.name == "odd" and commit[0] == "1":
             raise NotMeasured("its result cannot be read")
-        if one.name == "late" and count == 3:
+        if case.name == "late" and count == 3:
             raise NotMeasured("no end")
         return Block(
             int(commit[0]) + count / 100,
             9.0,
             0.1,
-            "before" if one.name == "moved" and commit[0] in "12" else "same",
+            "before" if case.name == "moved" and commit[0] in "12" else "same",
             counters={"a": 10 * int(commit[0]) + count, "none": 0},
         )
 
@@ -382,7 +381,8 @@ def measure(
         KERNELS[:2],
     )
     written = read(world.folder / "history.csv")
-    assert {(row.key, row.blocks) for row in rows} == {(row.key, row.blocks) for row in written}
+    blocks_written = {(row.key, row.blocks) for row in written}
+    assert {(row.key, row.blocks) for row in rows} == blocks_written
     return {(row.commit[0], row.case): row for row in written}
 
 
@@ -416,7 +416,7 @@ def test_medians_intervals_counters_and_kernels(world: World) -> None:
         and row.machine == "here"
     )
     assert row.measured == "2026-01-01T00:00:00Z" and all(
-        one.measured == row.measured for one in rows.values()
+        entry.measured == row.measured for entry in rows.values()
     )
     assert rows["2", "build/bvh"].cpu_seconds == 1e-5 and rows["2", "build/bvh"].instructions == 77
     assert rows["1", "build/bvh"].blocks == 0  # this commit has no kernel_bench
@@ -437,15 +437,15 @@ def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(
     )  # the newest commit's shapes count
     assert world.order.count(("moved", "2" * 10)) == 1
     assert rows["3", "late"].blocks == 2  # blocks before the failure are kept
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     for line in (
         "1111111111: no blocks from here on: new: unknown solver",
         "1111111111, 2222222222, 3333333333: no blocks from here on: late: no end",
-        "1111111111, 2222222222: no blocks from here on: moved: its shapes are not those of 3333333333",
+        "1111111111, 2222222222: no blocks from here on: moved: it has other shapes than 3333333333",
         f"1111111111: no blocks from here on: build/bvh, {KERNELS[1].name}: there is no kernel_bench",
     ):
-        assert said.count(line) == 1
-    assert "broken is left out: broken does not build" in said
+        assert output.count(line) == 1
+    assert "broken is left out: broken does not build" in output
 
 
 def test_an_interruption_loses_one_round(world: World) -> None:
@@ -463,10 +463,10 @@ def test_what_another_run_writes_meanwhile_stays(
 ) -> None:
     file, inner = world.folder / "history.csv", world.measure
 
-    def with_another(program: Path, one: Case, folder: Path) -> Block:
+    def with_another(program: Path, case: Case, folder: Path) -> Block:
         if len(world.order) == 7:
             add(file, [ROW])
-        return inner(program, one, folder)
+        return inner(program, case, folder)
 
     monkeypatch.setattr(blocks, "measure", with_another)
     add(file, [EMPTY])
@@ -492,11 +492,11 @@ def test_instructions_are_saved_commit_by_commit_and_an_interruption_cancels_the
 ) -> None:
     begun: list[str] = []
 
-    def count(program: Path, one: Case, folder: Path) -> tuple[int, str]:
+    def count(program: Path, case: Case, folder: Path) -> tuple[int, str]:
         commit = program.parents[2].name
         begun.append(commit)
         if commit[0] == "2":
-            if one.name == "case 0":
+            if case.name == "case 0":
                 raise KeyboardInterrupt
             time.sleep(0.02)
         return 500, "shapes"
@@ -540,14 +540,15 @@ def test_the_command(
     file.write_text("nonsense\n")
     assert history.main([*where, "1" * 10]) == 2
     assert f"{file}, line 1" in capsys.readouterr().err
-    asked: list[tuple[object, ...]] = []
+    requests: list[tuple[object, ...]] = []
 
     def fake_measure(*words: object) -> list[Row]:
-        asked.append(words)
+        requests.append(words)
         return [ROW]
 
     monkeypatch.setattr(history, "measure", fake_measure)
     assert history.main([*where, "A", "B", "--blocks", "3", "--no-instructions"]) == 0
     assert (
-        asked == [(["A", "B"], file, 3, False)] and "1 rows; make report" in capsys.readouterr().out
+        requests == [(["A", "B"], file, 3, False)]
+        and "1 rows; make report" in capsys.readouterr().out
     )

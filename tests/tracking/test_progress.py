@@ -35,8 +35,8 @@ def test_somebody_watches(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run(monkeypatch, 3, True)
-    said = capsys.readouterr().err
-    assert said.split(CLEAR) == [
+    output = capsys.readouterr().err
+    assert output.split(CLEAR) == [
         "",
         "time: 1 of 3 turns, 4 s left",
         "time: 2 of 3 turns, 2 s left",

@@ -41,13 +41,13 @@ def each(
     side: Callable[[str, Sequence[str]], dict[str, float]]
 ) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
     """Measures the block of each side separately."""
-    return lambda sides, names: [side(which, names) for which in sides]
+    return lambda sides, names: [side(build, names) for build in sides]
 
 
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Subject:
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        calls.append((name, which))
-        return {name: seconds[which] + 1e-6 * len(calls)}
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        calls.append((name, build))
+        return {name: seconds[build] + 1e-6 * len(calls)}
 
     return Subject(name, (name,), each(side), {"base": "shapes"})
 
@@ -66,15 +66,12 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
         "base",
         "candidate",
     ]
-    assert (
-        [call[1] for call in calls if call[0] == "a"]
-        == plain + turned
-        == [call[1] for call in calls if call[0] == "b"]
-    )
+    for name in ("a", "b"):
+        assert [call[1] for call in calls if call[0] == name] == plain + turned
     assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
-    found = questions[0].sides["a"]
-    assert len(found.base) == len(found.candidate) == 4 and found.base == sorted(
-        found.base
+    sides = questions[0].sides["a"]
+    assert len(sides.base) == len(sides.candidate) == 4 and sides.base == sorted(
+        sides.base
     ), "in the order of time: block i stands beside block i"
 
 
@@ -82,11 +79,11 @@ def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
     """Each pair moves to a new place, where both sides have equally long paths, so differences
     between places cancel."""
     calls: Calls = []
-    one = subject("a", calls)
+    plain = subject("a", calls)
     screen(
         [
             question(
-                Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",)
+                Subject("a", ("a",), plain.blocks, move=lambda: calls.append(("a", "move"))), ("a",)
             )
         ],
         4,
@@ -97,15 +94,18 @@ def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
         ["candidate", "base"],
         ["base", "candidate"],
     ]
-    assert [call[1] for call in calls] == [what for pair in pairs for what in ["move", *pair]]
+    expected = [entry for pair in pairs for entry in ["move", *pair]]
+    assert [call[1] for call in calls] == expected
 
 
 def test_the_self_test_multiplies_the_times_of_the_base_beside_itself() -> None:
     calls: Calls = []
-    one = planted(subject("a", calls, slower(0.5)))
-    answer([one], 6, 1)
+    self_test = planted(subject("a", calls, slower(0.5)))
+    answer([self_test], 6, 1)
     assert {call[1] for call in calls} == {"base", "base again"}
-    assert one.sides["a"].candidate[0] / one.sides["a"].base[0] == pytest.approx(1.05, abs=1e-4)
+    assert self_test.sides["a"].candidate[0] / self_test.sides["a"].base[0] == pytest.approx(
+        1.05, abs=1e-4
+    )
 
 
 def test_only_what_alarms_runs_again() -> None:
@@ -116,23 +116,21 @@ def test_only_what_alarms_runs_again() -> None:
         24,
         lambda line: None,
     )
-    asked = [call[0] for call in calls]
-    by_name = {one.name: one for one in judged}
+    measured = [call[0] for call in calls]
+    by_name = {case.name: case for case in judged}
     assert by_name["slow"].red and not by_name["fine"].alarms
     assert [sorted(run) for run in runs] == [
         ["fine", "slow"],
         ["fine"],
         ["slow"],
     ], "the first run, the self-test, the second run"
-    pairs = [[len(sides.base) for sides in run.values()] for run in runs]
-    assert (
-        pairs[0] == [24, 24]
-        and asked.count("fine") == 48 + 2 * pairs[1][0]
-        and asked.count("slow") == 48 + 2 * pairs[2][0]
-    )
-    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[2][0]
-    assert by_name["fine"].itself.n == pairs[1][0] and not by_name["slow"].itself.n
-    assert calls.count(("fine", "base again")) == pairs[1][0], "beside as many of the base"
+    assert [len(sides.base) for sides in runs[0].values()] == [24, 24]
+    planted_pairs, second_pairs = len(runs[1]["fine"].base), len(runs[2]["slow"].base)
+    assert measured.count("fine") == 48 + 2 * planted_pairs
+    assert measured.count("slow") == 48 + 2 * second_pairs
+    assert by_name["fine"].planted.n == planted_pairs and by_name["slow"].second.n == second_pairs
+    assert by_name["fine"].itself.n == planted_pairs and not by_name["slow"].itself.n
+    assert calls.count(("fine", "base again")) == planted_pairs, "beside as many of the base"
 
 
 def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
@@ -144,24 +142,23 @@ def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() ->
         subject("doubtful", calls, slower(0.025)),
         subject("slow", calls, slower(0.05)),
     ]
-    said: list[str] = []
-    judged, runs = judge_all(Known(subjects), "steady", 72, said.append)
+    lines: list[str] = []
+    judged, runs = judge_all(Known(subjects), "steady", 72, lines.append)
     rank = order_statistic_rank(72, 1 - 0.05 / 4)
-    assert [one.ratio.n for one in judged] == [
+    assert [case.ratio.n for case in judged] == [
         24,
         24,
         max(24, 2 * math.ceil(rank / 2)),
         2 * math.ceil((73 - rank) / 2),
     ]
-    assert [one.planted.n for one in judged] == [0, judged[3].ratio.n, 0, 0]
-    assert [one.name for one in judged if one.red] == ["slow"] and all(
-        one.ratio.coverage >= 1 - 0.05 / 4 for one in judged
-    )
+    assert [case.planted.n for case in judged] == [0, judged[3].ratio.n, 0, 0]
+    assert [case.name for case in judged if case.red] == ["slow"]
+    assert all(case.ratio.coverage >= 1 - 0.05 / 4 for case in judged)
     assert judged[3].second.n == 2 * math.ceil(
         (73 - order_statistic_rank(72, 0.95)) / 2
     ), "of one case alone, fewer blocks decide it"
     assert (
-        said == ["more blocks of doubtful, slow, the self-test", "a second run of slow"]
+        lines == ["more blocks of doubtful, slow, the self-test", "a second run of slow"]
         and len(runs) == 3
     )
 
@@ -190,19 +187,18 @@ def test_a_way_of_measuring_that_favours_a_side_spoils_the_verdict() -> None:
 
 
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
-    asked: list[Sequence[str]] = []
+    requests: list[Sequence[str]] = []
 
-    def side(which: str, some: Sequence[str]) -> dict[str, float]:
-        asked.append(some)
-        return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
+    def side(build: str, some: Sequence[str]) -> dict[str, float]:
+        requests.append(some)
+        return {name: 1.1 if build == "candidate" and name == "b" else 1.0 for name in some}
 
     judged, _ = judge_all(
         Known([Subject("kernels", ("a", "b", "c"), each(side))]), "", 60, lambda line: None
     )
-    assert [tuple(names) for names in asked[:48]] == [("a", "b", "c")] * 48 and {
-        tuple(names) for names in asked[48:]
-    } == {("b",)}
-    assert [one.red for one in judged] == [False, True, False]
+    assert [tuple(names) for names in requests[:48]] == [("a", "b", "c")] * 48
+    assert {tuple(names) for names in requests[48:]} == {("b",)}
+    assert [case.red for case in judged] == [False, True, False]
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
@@ -210,12 +206,12 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     95 %."""
     names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        return {name: 1.2 if build == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all(Known([Subject("all", names, each(side))]), "", 24, lambda line: None)
     assert (
-        min(one.ratio.coverage for one in judged)
+        min(case.ratio.coverage for case in judged)
         >= 1 - 0.05 / 60
         > judged[0].second.coverage
         >= 0.95
@@ -227,20 +223,20 @@ def known_of(
     candidate: dict[str, float] | NotMeasured,
     shapes: dict[str, str] | None = None,
 ) -> Known:
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        found = base if which == "base" else candidate
-        if isinstance(found, NotMeasured):
-            raise found
-        return found
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        seconds = base if build == "base" else candidate
+        if isinstance(seconds, NotMeasured):
+            raise seconds
+        return seconds
 
-    known = Known()
-    known.add(Subject("case", ("old", "new"), each(side), shapes=shapes or {}))
-    return known
+    common = Known()
+    common.add(Subject("case", ("old", "new"), each(side), shapes=shapes or {}))
+    return common
 
 
 def test_what_only_one_build_has_is_left_out() -> None:
-    known = known_of({"old": 1.0}, {"old": 1.0, "new": 1.0})
-    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == [
+    common = known_of({"old": 1.0}, {"old": 1.0, "new": 1.0})
+    assert [subject.names for subject in common.subjects] == [("old",)] and common.left_out == [
         "new: left out, because the base does not have it"
     ]
     assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == [
@@ -250,30 +246,30 @@ def test_what_only_one_build_has_is_left_out() -> None:
 
 
 def test_a_case_that_the_base_does_not_know_is_left_out() -> None:
-    known = known_of(NotMeasured("unknown solver 'cover'"), {"old": 1.0})
-    assert not known.subjects and not known.broken and "unknown solver" in known.left_out[0]
+    common = known_of(NotMeasured("unknown solver 'cover'"), {"old": 1.0})
+    assert not common.subjects and not common.broken and "unknown solver" in common.left_out[0]
 
 
 def test_a_case_that_this_build_alone_fails_at_is_broken() -> None:
-    known = known_of({"old": 1.0, "new": 1.0}, NotMeasured("time_limit: not within 20 s"))
-    assert not known.subjects and "time_limit" in known.broken[0] and not known.left_out
-    known = known_of({"old": 1.0, "new": 1.0}, NotMeasured("skipped: not fetched", skipped=True))
-    assert not known.broken and "not fetched" in known.left_out[0]
+    common = known_of({"old": 1.0, "new": 1.0}, NotMeasured("time_limit: not within 20 s"))
+    assert not common.subjects and "time_limit" in common.broken[0] and not common.left_out
+    common = known_of({"old": 1.0, "new": 1.0}, NotMeasured("skipped: not fetched", skipped=True))
+    assert not common.broken and "not fetched" in common.left_out[0]
 
 
 def test_other_shapes_are_left_out() -> None:
-    known = known_of(
+    common = known_of(
         {"old": 1.0, "new": 1.0}, {"old": 2.0, "new": 2.0}, {"base": "a", "candidate": "b"}
     )
-    assert not known.subjects and "it has other shapes than the base" in known.left_out[0]
+    assert not common.subjects and "it has other shapes than the base" in common.left_out[0]
 
 
 def test_the_self_test_is_in_the_wanted_case_or_in_the_first_one() -> None:
     calls: Calls = []
     kernels = Subject("kernels", ("build",), lambda sides, names: [])
-    known = Known([kernels, subject("a", calls), subject("b", calls)])
+    common = Known([kernels, subject("a", calls), subject("b", calls)])
     assert [
-        getattr(known.for_self_test(wanted), "name", None)
+        getattr(common.for_self_test(wanted), "name", None)
         for wanted in ("b", "not fetched", "kernels")
     ] == ["b", "a", "a"]
     assert Known([kernels]).for_self_test("b") is None
@@ -282,8 +278,8 @@ def test_the_self_test_is_in_the_wanted_case_or_in_the_first_one() -> None:
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        calls.append(which)
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        calls.append(build)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
     with pytest.raises(NotMeasured, match="new: not measured this time"):
@@ -296,23 +292,20 @@ def test_the_first_block_decides_how_many_repeats_all_have(
 ) -> None:
     """At least three repeats, as the experiment asks. Two sides measured together have paths of
     equal length."""
-    asked: list[tuple[str, int]] = []
+    requests: list[tuple[str, int]] = []
 
     @contextmanager
     def job_of_case(
         program: Path, case: Case, folder: Path, root: Path
     ) -> Iterator[tuple[Block, Path]]:
         assert folder == tmp_path and (root / program.name[:3]).is_file()
-        asked.append((program.name, case.experiment["repeats"]))
-        yield Block(seconds * len(asked), 0.002, 0.0, "shapes"), root
+        requests.append((program.name, case.experiment["repeats"]))
+        yield Block(seconds * len(requests), 0.002, 0.0, "shapes"), root
 
     def together(jobs: list[tuple[Block, Path]]) -> list[Block]:
         roots = [root for _, root in jobs]
-        assert (
-            len({len(str(root)) for root in roots}) == 1
-            and len(set(roots)) == len(roots)
-            and all(root.is_dir() for root in roots)
-        )
+        assert len({len(str(root)) for root in roots}) == 1 and len(set(roots)) == len(roots)
+        assert all(root.is_dir() for root in roots)
         return [block for block, _ in jobs]
 
     monkeypatch.setattr(timed, "job_of_case", job_of_case)
@@ -324,22 +317,22 @@ def test_the_first_block_decides_how_many_repeats_all_have(
         Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new")
     )
     places = Places(tmp_path)
-    one = of_case(
+    measured = of_case(
         Case("case", {"repeats": 3}),
         {"base": old, "base again": old, "candidate": new},
         tmp_path,
         places,
     )
-    assert one.block("base") == {"case": seconds}
-    one.move()
-    assert one.blocks(["candidate", "base again"], ()) == [
+    assert measured.block("base") == {"case": seconds}
+    measured.move()
+    assert measured.blocks(["candidate", "base again"], ()) == [
         {"case": 2 * seconds},
         {"case": 3 * seconds},
     ]
-    assert asked == [("old-program", 3), ("new-program", repeats), ("old-program", repeats)]
+    assert requests == [("old-program", 3), ("new-program", repeats), ("old-program", repeats)]
     assert (
-        one.shapes == dict.fromkeys(("base", "candidate", "base again"), "shapes")
-        and one.move == places.move
+        measured.shapes == dict.fromkeys(("base", "candidate", "base again"), "shapes")
+        and measured.move == places.move
     )
 
 
@@ -375,9 +368,8 @@ def test_kernels_of_both_sides_are_measured_at_once(
         yield names[0] + program.name, root
 
     def together(jobs: list[tuple[str, Path]]) -> list[dict[str, float]]:
-        assert len({len(str(root)) for _, root in jobs}) == 1 and all(
-            root.is_dir() for _, root in jobs
-        )
+        assert len({len(str(root)) for _, root in jobs}) == 1
+        assert all(root.is_dir() for _, root in jobs)
         return [{name: 1.0} for name, _ in jobs]
 
     monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
@@ -411,10 +403,10 @@ def test_two_programs_measure_a_pair(tmp_path: Path) -> None:
     programs = dict.fromkeys(("base", "candidate"), Program(PROGRAM, ROOT))
     for name in ("cases", "places"):
         (tmp_path / name).mkdir()
-    one = of_case(case, programs, tmp_path / "cases", Places(tmp_path / "places"))
-    found = one.blocks(["base", "candidate"], ())
+    measured = of_case(case, programs, tmp_path / "cases", Places(tmp_path / "places"))
+    blocks = measured.blocks(["base", "candidate"], ())
     assert (
-        all(0 < seconds["guthe on spheres"] < 5 for seconds in found)
-        and one.shapes["base"] == one.shapes["candidate"]
+        all(0 < seconds["guthe on spheres"] < 5 for seconds in blocks)
+        and measured.shapes["base"] == measured.shapes["candidate"]
     )
     assert not [file for name in ("cases", "places") for file in (tmp_path / name).iterdir()]

@@ -35,9 +35,9 @@ def test_both_run_at_the_same_time(tmp_path: Path) -> None:
 def test_both_share_one_core(tmp_path: Path) -> None:
     before = os.sched_getaffinity(0)
     with pytest.raises(KeyError), one_core():
-        found = together([python(tmp_path, "import os; print(*os.sched_getaffinity(0))")] * 2)
+        answers = together([python(tmp_path, "import os; print(*os.sched_getaffinity(0))")] * 2)
         raise KeyError
-    assert found == [str(max(before))] * 2 and os.sched_getaffinity(0) == before
+    assert answers == [str(max(before))] * 2 and os.sched_getaffinity(0) == before
 
 
 def test_what_one_alone_gives(tmp_path: Path) -> None:
@@ -49,8 +49,8 @@ def test_what_one_alone_gives(tmp_path: Path) -> None:
 
 def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
     """The answer is longer than a pipe's buffer."""
-    found = together([python(tmp_path, f"print('{letter}' * 300000)") for letter in "ab"])
-    assert found == ["a" * 300000, "b" * 300000]
+    answers = together([python(tmp_path, f"print('{letter}' * 300000)") for letter in "ab"])
+    assert answers == ["a" * 300000, "b" * 300000]
 
 
 def test_one_that_fails_is_not_measured_and_the_other_is_ended(tmp_path: Path) -> None:

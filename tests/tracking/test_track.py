@@ -41,7 +41,7 @@ def each(
     side: Callable[[str, Sequence[str]], dict[str, float]]
 ) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
     """Measures the block of each side separately."""
-    return lambda sides, names: [side(which, names) for which in sides]
+    return lambda sides, names: [side(build, names) for build in sides]
 
 
 SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0}
@@ -54,34 +54,35 @@ def tiers(
     seconds: dict[str, float] = SECONDS,
 ) -> dict[str, list[Any]]:
     """Replaces every measurement with the given verdicts; returns a record of the requests."""
-    asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "self-test": [], "fetched": []}
+    requests: dict[str, list[Any]] = {"jobs": [], "timed": [], "self-test": [], "fetched": []}
 
     def of_case(
         case: Case, programs: dict[str, timed.Program], folder: Path, places: Places
     ) -> Subject:
-        def side(which: str, _: Sequence[str]) -> dict[str, float]:
-            asked["self-test"] += [case.name] if which == "base again" else []
-            return {case.name: seconds[which]}
+        def side(build: str, _: Sequence[str]) -> dict[str, float]:
+            requests["self-test"] += [case.name] if build == "base again" else []
+            return {case.name: seconds[build]}
 
-        asked["timed"].append(case.name)
+        requests["timed"].append(case.name)
         return Subject(case.name, (case.name,), each(side), shapes={"base": "s"})
 
     def of_kernels(
         names: list[str], programs: dict[str, timed.Program], folder: Path, places: Places
     ) -> Subject:
-        asked["timed"] += names
+        requests["timed"] += names
         return Subject(
             "kernels", tuple(names), lambda sides, some: [dict.fromkeys(some, 1.0) for _ in sides]
         )
 
     def jobs_of(
-        found: list[Case],
+        selected: list[Case],
         kernels: list[Kernel],
         program: Path,
         kernel_program: Path | None,
         folder: Path,
     ) -> counted.Counting:
-        asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
+        requests["jobs"] += [case.name for case in selected]
+        requests["jobs"] += [kernel.name for kernel in kernels]
         return {}
 
     monkeypatch.setattr(
@@ -103,13 +104,13 @@ def tiers(
         lambda revision: Build("base", Path("old"), Path("kernels"), Path("tree of the base")),
     )
     monkeypatch.setattr(
-        track, "fetch", lambda tree, names: asked["fetched"].append((tree, set(names)))
+        track, "fetch", lambda tree, names: requests["fetched"].append((tree, set(names)))
     )
     monkeypatch.setattr(timed, "programs_of", lambda base, candidate: {})
     monkeypatch.setattr(timed, "kernels_of", lambda base, candidate: {"base": Path("kernels")})
     monkeypatch.setattr(timed, "of_case", of_case)
     monkeypatch.setattr(timed, "of_kernels", of_kernels)
-    return asked
+    return requests
 
 
 def slower(candidate: float, again: float = 1.0) -> dict[str, float]:
@@ -153,11 +154,14 @@ def test_exit_codes(
 def test_every_case_and_kernel_is_counted_and_timed_and_one_has_the_self_test(
     monkeypatch: pytest.MonkeyPatch, words: list[str]
 ) -> None:
-    asked = tiers(monkeypatch)
+    requests = tiers(monkeypatch)
     assert track.main([*words, "--blocks", "24"]) == 0
-    names = [case.name for case in cases()] + [kernel.name for kernel in KERNELS]
-    assert asked["jobs"] == asked["timed"] == names and set(asked["self-test"]) == {track.SELF_TEST}
-    assert asked["fetched"] == [
+    names = [case.name for case in cases()]
+    names += [kernel.name for kernel in KERNELS]
+    assert requests["jobs"] == requests["timed"] == names and set(requests["self-test"]) == {
+        track.SELF_TEST
+    }
+    assert requests["fetched"] == [
         (Path("tree of the base"), {model for case in cases() for model in case.models})
     ]
 
@@ -213,8 +217,8 @@ def test_a_case_that_this_build_alone_fails_at_is_red(
 ) -> None:
     tiers(monkeypatch)
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        if which == "candidate":
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        if build == "candidate":
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
 
@@ -232,8 +236,8 @@ def test_a_block_that_fails_is_inconclusive(
 ) -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        calls.append(which)
+    def side(build: str, _: Sequence[str]) -> dict[str, float]:
+        calls.append(build)
         if len(calls) > 10:
             raise NotMeasured("no end within 120 s")
         return {"guthe on mesh to its half": 1.0}
@@ -253,12 +257,12 @@ def test_a_block_that_fails_is_inconclusive(
 def test_one_case_alone_is_the_one_with_the_self_test(
     monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = tiers(monkeypatch)
+    requests = tiers(monkeypatch)
     assert track.main([*words, "--case", "naive", "--blocks", "24"]) == 0
     out = capsys.readouterr().out
-    assert "with 5 % planted" in out and asked["jobs"] == asked["timed"] == [
+    assert "with 5 % planted" in out and requests["jobs"] == requests["timed"] == [
         "naive on points near"
-    ] == list(dict.fromkeys(asked["self-test"]))
+    ] == list(dict.fromkeys(requests["self-test"]))
 
 
 def test_a_second_run_is_in_the_table_and_in_the_record(
@@ -280,13 +284,13 @@ def test_a_second_run_is_in_the_table_and_in_the_record(
 def test_an_update_writes_the_baseline_and_no_times(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str]
 ) -> None:
-    asked = tiers(monkeypatch, counters=Verdict.red)
+    requests = tiers(monkeypatch, counters=Verdict.red)
     assert track.main([*words, "--update", "a new cut", "--case", "naive"]) == 0
     baseline = counted.read_baseline(tmp_path / "baseline.toml")
     assert (
         baseline["reason"] == "a new cut"
         and baseline["counters"] == {"a": {"shapes": "s"}}
-        and not asked["timed"]
+        and not requests["timed"]
     )
     assert not (tmp_path / "record.json").exists()
 
@@ -315,8 +319,8 @@ def test_a_record_that_cannot_be_written_loses_no_verdict(
 ) -> None:
     tiers(monkeypatch, counters=Verdict.red)
     assert track.main([*words, "--tiers", "counters", "--record", "/dev/null/record.json"]) == 3
-    said = capsys.readouterr()
-    assert "not written" in said.err and "track: red" in said.out
+    output = capsys.readouterr()
+    assert "not written" in output.err and "track: red" in output.out
 
 
 @pytest.mark.parametrize(
