@@ -5,22 +5,15 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace hausbench {
 namespace {
 
-struct KindName {
-    std::string_view name;
-    Statistic::Kind kind;
-    bool has_argument;
-};
-constexpr KindName kinds[] = {
-    {"mean", Statistic::Kind::mean, false},           {"rms", Statistic::Kind::rms, false},
-    {"deviation", Statistic::Kind::deviation, false}, {"maximum", Statistic::Kind::maximum, false},
-    {"quantile", Statistic::Kind::quantile, true},    {"within", Statistic::Kind::share_within, true},
-};
+using Argument = StatisticKind::Argument;
 
 // Takes the next word off the text.
 std::string_view next_word(std::string_view& text) {
@@ -46,12 +39,25 @@ std::string_view to_string(Statistic::Over over) {
 
 std::string_view to_string(WeighBy weigh) { return weigh == WeighBy::area ? "area" : "number"; }
 
+const StatisticKind& kind_of(const Statistic& statistic) {
+    for (const StatisticKind& kind : statistic_kinds)
+        if (kind.kind == statistic.kind) return kind;
+    throw std::logic_error("statistic_kinds lacks a kind");
+}
+
+std::vector<std::string> statistic_examples() {
+    std::vector<std::string> examples, with_argument;
+    for (const StatisticKind& kind : statistic_kinds)
+        (kind.argument == Argument::none ? examples : with_argument).emplace_back(kind.example);
+    examples.emplace_back("median");
+    examples.insert(examples.end(), with_argument.begin(), with_argument.end());
+    return examples;
+}
+
 std::string to_string(const Statistic& statistic) {
-    std::string text;
-    for (const KindName& entry : kinds) {
-        if (entry.kind != statistic.kind) continue;
-        text = entry.has_argument ? fmt::format("{} {}", entry.name, statistic.argument) : std::string(entry.name);
-    }
+    const StatisticKind& kind = kind_of(statistic);
+    std::string text(kind.name);
+    if (kind.argument != Argument::none) text += fmt::format(" {}", statistic.argument);
     if (statistic.kind == Statistic::Kind::quantile && statistic.argument == 0.5) text = "median";
     if (statistic.over != Statistic::Over::source) text += fmt::format(" {}", to_string(statistic.over));
     return text;
@@ -64,25 +70,25 @@ Statistic statistic_of(std::string_view text) {
     std::string_view rest = text;
     const std::string_view name = next_word(rest);
     Statistic statistic;
-    const KindName* match = nullptr;
-    for (const KindName& entry : kinds)
-        if (entry.name == name) match = &entry;
+    const StatisticKind* match = nullptr;
+    for (const StatisticKind& kind : statistic_kinds)
+        if (kind.name == name) match = &kind;
     if (name == "median") {
         statistic = {Statistic::Kind::quantile, 0.5};
     } else if (!match) {
-        throw fail("must be mean, rms, deviation, maximum, median, 'quantile LEVEL' or 'within LENGTH'");
+        throw fail(fmt::format("must be one such as {}", fmt::join(statistic_examples(), ", ")));
     } else {
         statistic.kind = match->kind;
-        if (match->has_argument) {
+        if (match->argument != Argument::none) {
             const std::string_view word = next_word(rest);
             const std::optional<double> value = number_of(word);
             if (!value) throw fail(fmt::format("'{}' must be followed by a number, not '{}'", name, word));
             statistic.argument = *value;
         }
     }
-    if (statistic.kind == Statistic::Kind::quantile && !(statistic.argument > 0 && statistic.argument <= 1))
+    if (kind_of(statistic).argument == Argument::level && !(statistic.argument > 0 && statistic.argument <= 1))
         throw fail("the level must be above 0 and at most 1");
-    if (is_share(statistic) && !(statistic.argument >= 0 && std::isfinite(statistic.argument)))
+    if (takes_length(statistic) && !(statistic.argument >= 0 && std::isfinite(statistic.argument)))
         throw fail("the length must be a number of at least 0");
     if (const std::string_view over = next_word(rest); !over.empty()) {
         bool valid = false;

@@ -112,7 +112,8 @@ def same_words(here: Rows, there: Rows) -> Rows:
     """Matches rows to kept rows by solver, scene, pose and tolerance, and returns them by the
     identity of the kept row.
 
-    Used if the identities differ, as they do under other limits. A scene in which no row equals its
+    For rows whose identities differ, as they do under other limits, or if a solver has a new
+    parameter. A scene in which no row equals its
     kept row is left out, because its shapes must be others.
     """
     identity_of = {words(row): identity for identity, row in there.items()}
@@ -152,10 +153,14 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
         for row in range(len(cases))
         if cases.status[row] not in ("ok", "timeout") and row not in never_run
     }
+    new = {identity: row for identity, row in here.items() if identity not in there}
+    rest = {
+        identity: row
+        for identity, row in there.items()
+        if identity not in here and identity not in lost
+    }
+    here |= same_words(new, rest)
     both = [identity for identity in there if identity in here or identity in lost]
-    if not both:
-        here = same_words(here, there)
-        both = [identity for identity in there if identity in here]
     if not both and (lacking := missing.note(results)):
         return f"{stem}: nothing compared: {lacking}", True
     if not both and skipped:

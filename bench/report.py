@@ -86,12 +86,17 @@ class Row:
 
 
 def read(lines: Iterable[str]) -> tuple[list[str], list[Row]]:
-    """Returns the remarks (lines with #, without the #) and the rows. Raises ValueError or KeyError
-    for anything else."""
+    """Returns the remarks (lines with #, without the #) and the rows. Raises KeyError if a column is
+    missing or a part is unknown, ValueError if a row has too few or too many fields or a wrong
+    number."""
     lines = list(lines)
     remarks = [line[1:].strip() for line in lines if line.startswith("#")]
     rows = []
     for record in csv.DictReader(line for line in lines if not line.startswith("#")):
+        if None in record or None in record.values():
+            raise ValueError(f"a row has not as many fields as the header: {record}")
+        if record["part"] not in PARTS:
+            raise KeyError(f"no part is called {record['part']!r}")
         n = int(record["rounds"])
         ratio = Estimate(
             float(record["ratio"]),

@@ -85,6 +85,13 @@ def test_a_file_with_one_user_is_found() -> None:
     assert users(rooms.ROOT / "algorithms/meshes/tang/swept_sphere.h") == {"meshes/tang"}
 
 
+def test_every_test_file_is_built() -> None:
+    listed = (rooms.ROOT / "tests" / "CMakeLists.txt").read_text()
+    for file in (rooms.ROOT / "tests").rglob("*_test.cpp"):
+        name = str(file.relative_to(rooms.ROOT / "tests").with_suffix(""))
+        assert f"hausbench_test({name} " in listed, f"add {name} to tests/CMakeLists.txt"
+
+
 FIXED_WIDTH = re.compile(
     r"^[^/\n]*\bstd::u?int(?:_fast|_least)?(?:8|16|32|64|ptr|max)_t\b", re.MULTILINE
 )

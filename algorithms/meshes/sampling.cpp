@@ -228,21 +228,22 @@ Result Sampling::sample() {
     stages_.end("measure vertices");
     if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     bound_by_corners();
-    bool spread = false;  // whether some triangle has an edge of positive length; only then can more samples help
+    bool has_edge = false;  // whether some triangle has an edge of positive length; only then can more samples help
     Index i = 0;
     for (; i < a_.triangles.rows(); ++i) {
         const double rest = rest_[static_cast<std::size_t>(i)];
         stopped_ = end(rest);
         if (stopped_) break;
         const double edge = squared_longest_edge(i), by_corners = grid_distance_at_most(corners_at_most(i), edge, 1);
-        spread = spread || edge > 0;
-        const bool counts = by_corners > query_.floor;
-        const std::int64_t n = counts ? steps_of(edge) : 1;
-        if (elements_) elements_->subdivided(i, static_cast<int>(n));
-        if (!counts)
+        has_edge = has_edge || edge > 0;
+        const bool may_raise = by_corners > query_.floor;
+        const std::int64_t n = may_raise ? steps_of(edge) : 1;
+        if (!may_raise)
             settle(by_corners, i);
         else if (!sample_triangle(i, n, by_corners))
             break;
+        if (elements_)
+            elements_->subdivided(i, static_cast<int>(n));  // not if it was stopped: the corners bound it then
     }
     const double rest = rest_[static_cast<std::size_t>(i)];
     for (; elements_ && i < a_.triangles.rows(); ++i) {
@@ -250,7 +251,7 @@ Result Sampling::sample() {
             elements_->settle(grid_distance_at_most(corners_at_most(i), squared_longest_edge(i), 1), i);
     }
     stages_.end("sample");
-    Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor),
+    Result result = bounds_.result(stopped_.value_or(has_edge ? Status::budget : Status::precision_floor),
                                    WATCHED("sampling: a stop counts the triangles to come", rest));
     if (result.status == Status::budget && !stopped_)
         result.note = "samples this far apart give no closer bounds: choose a smaller `step`";

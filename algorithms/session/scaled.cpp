@@ -116,7 +116,7 @@ Query scaled(const Query& query, int exponent) {
                          WATCHED_ELSE("session: a floor stays finite", std::numeric_limits<double>::max(), infinity));
     out.cutoff = std::ldexp(query.cutoff, exponent);
     for (Statistic& statistic : out.statistics)
-        if (WATCHED("distribution: lengths of statistics are scaled", is_share(statistic)))
+        if (WATCHED("distribution: lengths of statistics are scaled", takes_length(statistic)))
             statistic.argument = std::ldexp(statistic.argument, exponent);
     return out;
 }
@@ -129,10 +129,14 @@ void scale_statistics_back(const Query& query, Result& result, int exponent, dou
     for (std::size_t i = 0; i < std::min(result.statistics.size(), query.statistics.size()); ++i) {
         const Statistic& statistic = query.statistics[i];
         Bounds& bounds = result.statistics[i];
-        if (is_share(statistic)) {
+        if (takes_length(statistic)) {
             const bool exact = std::ldexp(std::ldexp(statistic.argument, exponent), -exponent) == statistic.argument ||
                                std::isinf(std::ldexp(statistic.argument, exponent));
-            if (wider > 0 || WATCHED("distribution: a length that scaling rounds", !exact)) bounds = {0, 1};
+            if (wider > 0 || WATCHED("distribution: a length that scaling rounds", !exact))
+                bounds = is_share(statistic) ? Bounds{0, 1} : Bounds{};
+        }
+        if (is_share(statistic)) {
+            if (wider > 0) bounds = {0, 1};
         } else if (WATCHED("distribution: areas of shapes that scaling changes are unknown", wider > 0)) {
             bounds = {};
         } else {

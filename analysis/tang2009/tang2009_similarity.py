@@ -63,15 +63,18 @@ class Matrix:
 
 
 def matrix_of(results: Results, solver: str) -> Matrix:
+    """Returns the distances that `solver` computed; NaN for pairs without bounds."""
     cases = results.cases
     rows = results.rows(solver=solver)
-    models = list(dict.fromkeys(cases.source[row] for row in rows))
-    place = {model: i for i, model in enumerate(models)}
-    lower, upper = (np.full((len(models), len(models)), np.nan) for _ in range(2))
+    sources = dict.fromkeys(cases.source[row] for row in rows)
+    models = list(sources | dict.fromkeys(cases.target[row] for row in rows))
+    index = {model: i for i, model in enumerate(models)}
+    lower = np.full((len(models), len(models)), np.nan)
+    upper = lower.copy()
     for row in rows:
         if results.is_bounded(row):
-            at = place[cases.source[row]], place[cases.target[row]]
-            lower[at], upper[at] = float(cases.lower[row]), float(cases.upper[row])
+            i, j = index[cases.source[row]], index[cases.target[row]]
+            lower[i, j], upper[i, j] = float(cases.lower[row]), float(cases.upper[row])
     return Matrix([model.removesuffix(SUFFIX) for model in models], lower, upper)
 
 

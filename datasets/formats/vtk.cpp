@@ -309,6 +309,7 @@ private:
         }
     }
 
+    // Skips an array of a FIELD, which begins with its type. Each text takes a byte at least, and each bit a bit.
     void skip_array(std::uint64_t components, std::uint64_t tuples) {
         const std::string_view ahead = rest_;
         const std::string kind = lower_case(next());
@@ -318,10 +319,10 @@ private:
         }
         if (kind == "string" || kind == "utf8_string" || kind == "bit") {
             line();
-            if (tuples > 8 * rest_.size() / components) refuse_here("is truncated: an array of a FIELD is too long");
+            if (tuples > 8 * rest_.size() / components) refuse_here("is truncated: it ends within an array of a FIELD");
             const std::uint64_t size = tuples * components;
             if (kind == "bit" && binary_)
-                rest_.remove_prefix(std::min((size + 7) / 8, rest_.size()));
+                rest_.remove_prefix((size + 7) / 8);
             else if (kind == "bit")
                 for (std::uint64_t i = 0; i < size; ++i) next();
             else

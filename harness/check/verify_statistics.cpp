@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace hausbench {
@@ -192,7 +193,8 @@ const StatisticsChecker::Samples* StatisticsChecker::samples(bool of_source, Wei
 namespace {
 
 // Returns the interval of a statistic over the samples of some shapes together.
-template <class Samples> Around around(const Statistic& statistic, const std::vector<const Samples*>& all) {
+template <class Samples>
+std::optional<Around> around(const Statistic& statistic, const std::vector<const Samples*>& all) {
     double weight = 0, most = 0, error = 0, largest_sample = 0;
     for (const Samples* samples : all) {
         weight += samples->weight;
@@ -209,21 +211,21 @@ template <class Samples> Around around(const Statistic& statistic, const std::ve
         }
         return sum;
     };
-    // F at t, with its error.
-    const auto share = [&](double t, double way) {
+    // F(t), raised (side = 1) or lowered (side = -1) by its sampling error.
+    const auto share = [&](double t, double side) {
         double sum = 0;
         for (const Samples* samples : all)
-            sum += samples->weight / weight * (samples->share(t) + way * samples->share_error());
+            sum += samples->weight / weight * (samples->share(t) + side * samples->share_error());
         return sum;
     };
-    // The least sample at which F, with its error, is at least `level`.
-    const auto quantile = [&](double level, double way) {
-        level -= way * 1e-12;                     // the sums above err by less
-        if (share(-1, way) >= level) return 0.0;  // even below all samples
+    // The least sample t with share(t, side) >= level: a lower bound of the quantile for side = 1, an upper one for -1.
+    const auto quantile = [&](double level, double side) {
+        level -= side * 1e-12;                     // the sums above err by less
+        if (share(-1, side) >= level) return 0.0;  // even below all samples
         double least = most;
         for (const Samples* samples : all) {
             const auto& d = samples->distances;
-            const auto at = std::partition_point(d.begin(), d.end(), [&](double t) { return share(t, way) < level; });
+            const auto at = std::partition_point(d.begin(), d.end(), [&](double t) { return share(t, side) < level; });
             if (at != d.end()) least = std::min(least, *at);
         }
         return least;
@@ -233,25 +235,27 @@ template <class Samples> Around around(const Statistic& statistic, const std::ve
             return mean_of([](double d) { return d; }, most, error);
         case Statistic::Kind::rms: {
             const Around square = mean_of([](double d) { return d * d; }, most * most, 2 * error * most);
-            return {std::sqrt(square.low), std::sqrt(square.high)};
+            return Around{std::sqrt(square.low), std::sqrt(square.high)};
         }
         case Statistic::Kind::deviation: {
             const Around mean = mean_of([](double d) { return d; }, most, error);
-            const double about = (mean.low + mean.high) / 2, off = (mean.high - mean.low) / 2;
-            const double far = std::max(about, most - about);
+            // E (d - middle)^2 = variance + (mean - middle)^2, and |mean - middle| <= half.
+            const double middle = (mean.low + mean.high) / 2, half = (mean.high - mean.low) / 2;
+            const double far = std::max(middle, most - middle);
             const Around square =
-                mean_of([&](double d) { return (d - about) * (d - about); }, far * far, 4 * error * far);
-            return {std::sqrt(std::max(0.0, square.low - off * off)), std::sqrt(square.high)};
+                mean_of([&](double d) { return (d - middle) * (d - middle); }, far * far, 4 * error * far);
+            return Around{std::sqrt(std::max(0.0, square.low - half * half)), std::sqrt(square.high)};
         }
         case Statistic::Kind::maximum:
-            return {largest_sample, most};
+            return Around{std::max(0.0, largest_sample - error), most};  // `most` includes the error already
         case Statistic::Kind::quantile:
-            return {std::max(0.0, quantile(statistic.argument, +1) - error), quantile(statistic.argument, -1) + error};
+            return Around{std::max(0.0, quantile(statistic.argument, +1) - error),
+                          quantile(statistic.argument, -1) + error};
         case Statistic::Kind::share_within:
-            return {std::max(0.0, share(statistic.argument - error, -1)),
-                    std::min(1.0, share(statistic.argument + error, +1))};
+            return Around{std::max(0.0, share(statistic.argument - error, -1)),
+                          std::min(1.0, share(statistic.argument + error, +1))};
     }
-    return {0, most};
+    return std::nullopt;
 }
 
 }  // namespace
@@ -263,10 +267,16 @@ Check StatisticsChecker::check(const Bounds& bounds, const Statistic& statistic,
     if (needs_target(statistic)) all.push_back(samples(false, weigh));
     if (std::any_of(all.begin(), all.end(), [](const Samples* drawn) { return drawn == nullptr; })) return {};
     Around interval{};
-    if (statistic.over == Over::larger || statistic.over == Over::mean_of_both || statistic.over == Over::harmonic_mean)
-        interval = combined(statistic.over, around<Samples>(statistic, {all[0]}), around<Samples>(statistic, {all[1]}));
-    else
-        interval = around<Samples>(statistic, all);
+    if (statistic.over == Over::larger || statistic.over == Over::mean_of_both ||
+        statistic.over == Over::harmonic_mean) {
+        const auto over_a = around<Samples>(statistic, {all[0]}), over_b = around<Samples>(statistic, {all[1]});
+        if (!over_a || !over_b) return {};
+        interval = combined(statistic.over, *over_a, *over_b);
+    } else {
+        const auto samples_interval = around<Samples>(statistic, all);
+        if (!samples_interval) return {};
+        interval = *samples_interval;
+    }
     // The sums above err by less than 1e-12.
     const double slack = is_share(statistic) ? 1e-12 : all[0]->error + 1e-12 * interval.high;
     Check check{Verdict::holds, Verdict::holds, "", Verdict::not_checked};

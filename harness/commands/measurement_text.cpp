@@ -198,9 +198,8 @@ json statistics_json(const Measured& m, const MeasureRequest& request) {
         const std::string argument = fmt::format("{}", statistic.argument);
         Statistic plain = statistic;
         plain.over = Statistic::Over::source;
-        json& value = statistic.kind == Statistic::Kind::quantile       ? place["quantiles"][argument]
-                      : statistic.kind == Statistic::Kind::share_within ? place["share_within"][argument]
-                                                                        : place[to_string(plain)];
+        const std::string group(kind_of(statistic).group);
+        json& value = group.empty() ? place[to_string(plain)] : place[group][argument];
         value = {{"lower", number(m.answer.result.statistics[i].lower)},
                  {"upper", number(m.answer.result.statistics[i].upper)}};
     }

@@ -47,7 +47,9 @@ void refuse_with_slurm(const RunArguments& arguments) {
         {!arguments.with.empty(), "--with (copy the experiment and name the solver in it)"},
         {arguments.jobs > 1, "--jobs (each task runs one case at a time)"},
         {arguments.shard != "1/1", "--shard"},
-        {arguments.choice.leave_nothing_out, "--leave-nothing-out"}};
+        {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
+        {arguments.strict, "--strict (give it to `hausbench run --collect` afterwards)"},
+        {arguments.no_reference, "--no-reference (write `reference = false` into the experiment)"}};
     for (const auto& [given, name] : others) {
         if (given)
             throw InputError(fmt::format("--engine slurm cannot be combined with {}: leave one of them out", name));

@@ -10,7 +10,7 @@
 namespace hausbench {
 
 // Checks every row again (verify.h) on the models of the catalogue. Returns a line for each model that is not
-// available, whose rows become `not checked`, and a line for each row that contradicts itself (claims.h). Throws
+// available, whose rows become `not checked`, and a line for each row that contradicts itself (contradictions.h). Throws
 // InputError if a model does not have the recorded SHA-256.
 std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue);
 

@@ -31,12 +31,11 @@ const KeyTable& top_keys() {
               "(solver `penetration`); `distribution`: statistics of the distance (solvers "
               "`distribution` and `monte_carlo`)"},
              {"statistics", "",
-              "for `distribution`: list of `mean`, `rms`, `deviation`, `maximum`, `median`, `quantile 0.95`, `within "
-              "0.1` "
-              "(the share at most that far away), each perhaps followed by `target`, `larger`, `mean_of_both`, "
-              "`harmonic_mean` or `pooled` ([conventions.md](conventions.md)); each is a case of its own. The "
-              "tolerance "
-              "of a share is the number in `tolerances`, whatever `of` says"},
+              fmt::format("for `distribution`: list of `{}` ", fmt::join(statistic_examples(), "`, `")) +
+                  "(the share at most that far away), each perhaps followed by `target`, `larger`, `mean_of_both`, "
+                  "`harmonic_mean` or `pooled` ([conventions.md](conventions.md)); each is a case of its own. The "
+                  "tolerance "
+                  "of a share is the number in `tolerances`, whatever `of` says"},
              {"weigh", fmt::format("\"{}\"", to_string(defaults.weigh)),
               "what statistics count: `area`, or `number` of vertices"},
              {"floor", fmt::format("{}", defaults.floor),

@@ -187,16 +187,16 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     return chosen;
 }
 
-// Returns one scene for each pair of models with overlapping objects. Each pose of the scene comes from a frame in
-// which two such objects overlap.
+// Returns one scene for each pair of models whose objects overlap. Each pose is one overlap in a chosen frame; a frame
+// gives several poses if several objects have these models.
 std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :
          {"source", "target", "sources", "targets", "search", "each", "exact", "motion", "target_motion"}) {
         if (const toml::node* other = table.find(key))
-            table.fail(
-                *other,
-                fmt::format("'{}' cannot be combined with 'recording', which gives it: remove one of the two", key));
+            table.fail(*other, fmt::format("'{}' cannot be combined with 'recording', which gives the models and their "
+                                           "poses: remove one of the two",
+                                           key));
     }
     Recording recording;
     try {

@@ -14,7 +14,6 @@ from hausbench.options import INFINITY, progress_of
 if TYPE_CHECKING:
     from hausbench._core import Pair, Query
 
-NAMES = ("mean", "rms", "deviation", "maximum", "median")
 OVER = ("source", "target", "larger", "mean_of_both", "harmonic_mean", "pooled")
 
 
@@ -63,11 +62,6 @@ class Distribution:
             raise InputError(f"over: {over!r} is not one of {', '.join(OVER)}")
         others = [*map(_quantile, _listed(quantiles)), *map(_share, _listed(within))]
         names = _listed(statistics) if statistics is not None else [] if others else ["mean", "rms"]
-        for name in names:
-            if name not in NAMES:
-                raise InputError(
-                    f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within"
-                )
         self._pair, self._query, self._progress = pair, query, progress
         self._over = "" if over == "source" else f" {over}"
         self._known: dict[str, Interval] = {}
@@ -91,6 +85,10 @@ class Distribution:
         if name not in self._known:
             self._ask([name])
         return self._known[name]
+
+    def __getitem__(self, name: str) -> Interval:
+        """Returns a statistic by its name, such as "mean" or "quantile 0.95"."""
+        return self._get(name)
 
     @property
     def status(self) -> str:

@@ -58,6 +58,18 @@ def test_equal_rows_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]
     assert run(folder, sweep()) == 1 and "none of the" in capsys.readouterr().out
 
 
+def test_rows_with_another_identity_are_compared_beside_others(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A new parameter changes the identities of one solver alone."""
+    run(folder, sweep(), "--keep")
+    kept = folder / "counts" / "sweep.csv"
+    header, first, *rest = kept.read_text().splitlines()
+    kept.write_text("\n".join([header, "0" + first, *rest, ""]))
+    assert run(folder, sweep()) == 0
+    assert "equal the reference: 3 of 3 rows" in capsys.readouterr().out
+
+
 def test_a_row_that_was_ok_and_fails_differs(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -208,7 +208,7 @@ def test_many_pairs(hausbench: Program, plates: tuple[Path, Path], tmp_path: Pat
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--statistics", "average"], "must be mean, rms"),
+        (["--statistics", "average"], "must be one such as mean, rms"),
         (["--statistics", "mean, quantile 95"], "the level must be above 0 and at most 1"),
         (["--statistics", "within 1mm"], "must be followed by a number, not '1mm'"),
         (["--statistics", "mean pooled"], "leave out 'pooled'; --symmetric"),
@@ -283,7 +283,7 @@ def test_a_wrong_row_is_found(
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ('statistics = ["average"]', "must be mean, rms"),
+        ('statistics = ["average"]', "must be one such as mean, rms"),
         ("statistics = []", "'statistics' is empty"),
         ('weigh = "volume"', "'weigh' must be area or number"),
     ],

@@ -66,7 +66,8 @@ private:
     Record* record_;
 };
 
-// Builds a mesh from triangles of other meshes; its triangles share vertices.
+// Collects triangles of one mesh, with the vertices that they use. Pass the same mesh to every add(): a vertex is known
+// by its index in it.
 class Collector {
 public:
     void add(const SurfaceMesh& mesh, Face face) {

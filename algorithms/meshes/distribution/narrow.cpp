@@ -47,46 +47,6 @@ struct Goal {
     bool flat() const { return constant && idle >= rounds_without_progress; }
 };
 
-// The sum of weight times gap that a goal allows, if its bounds are in proportion to it.
-double allowed_sum(const Goal& goal, const Statistics& now) {
-    const double gap = goal.allowed;
-    switch (goal.statistic.kind) {
-        case Kind::rms:
-        case Kind::deviation:
-            return now.weight() * gap * (2 * goal.bounds.lower + gap);  // of squares
-        case Kind::quantile:
-            return now.open(goal.statistic, goal.bounds) * std::min(1.0, gap / goal.bounds.gap());
-        default:
-            return now.weight() * gap;
-    }
-}
-
-// Adds the limit of a goal to the places to cut.
-void add(const Goal& goal, const Statistics& now, CutWhere& where) {
-    switch (goal.statistic.kind) {
-        case Kind::mean:
-            where.mean = std::min(where.mean, goal.limit);
-            break;
-        case Kind::rms:
-            where.square = std::min(where.square, goal.limit);
-            break;
-        case Kind::deviation:
-            where.spreads.push_back({now.about(), goal.limit});
-            break;
-        case Kind::maximum:
-            where.maximum_gap =
-                std::min(where.maximum == CutWhere::never ? infinity : where.maximum_gap, 0.125 * goal.bounds.gap());
-            where.maximum = std::min(where.maximum, goal.bounds.lower + goal.allowed);
-            break;
-        case Kind::quantile:
-            where.bands.push_back({goal.bounds.lower, goal.bounds.upper, goal.limit});
-            break;
-        case Kind::share_within:
-            where.bands.push_back({goal.statistic.argument, goal.statistic.argument, goal.limit});
-            break;
-    }
-}
-
 class Narrowing {
 public:
     Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query, Trace& trace)
@@ -225,7 +185,7 @@ private:
             lower_limit(goal, now(goal.statistic.over));
             for (std::size_t way = 0; way < 2; ++way) {
                 if (goal.statistic.over == Over::pooled || way == static_cast<std::size_t>(goal.statistic.over))
-                    add(goal, now(goal.statistic.over), where_[way]);
+                    now(goal.statistic.over).cut(goal.statistic, goal.bounds, goal.allowed, goal.limit, where_[way]);
             }
         }
         return cut ? std::nullopt : std::optional(Status::stalled);
@@ -290,7 +250,8 @@ private:
 
     void lower_limit(Goal& goal, const Statistics& now) const {
         const bool quantile = goal.statistic.kind == Kind::quantile;
-        const double open = now.open(goal.statistic, goal.bounds), most = allowed_sum(goal, now);
+        const double open = now.open(goal.statistic, goal.bounds),
+                     most = now.allowed(goal.statistic, goal.bounds, goal.allowed);
         if (open == 0) return;  // the gap does not come from the pieces
         if (goal.limit == CutWhere::never)
             goal.limit = std::min(4 * std::max(most, open / 256), 0.5 * open) / static_cast<double>(pieces());

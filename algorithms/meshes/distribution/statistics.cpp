@@ -205,4 +205,45 @@ double Statistics::open(const Statistic& statistic, const Bounds& band) const {
     return 0;
 }
 
+double Statistics::allowed(const Statistic& statistic, const Bounds& bounds, double gap) const {
+    switch (statistic.kind) {
+        case Statistic::Kind::mean:
+        case Statistic::Kind::maximum:
+        case Statistic::Kind::share_within:
+            return weight_ * gap;
+        case Statistic::Kind::rms:
+        case Statistic::Kind::deviation:
+            return weight_ * gap * (2 * bounds.lower + gap);  // of squares
+        case Statistic::Kind::quantile:
+            return open(statistic, bounds) * std::min(1.0, gap / bounds.gap());
+    }
+    return 0;
+}
+
+void Statistics::cut(const Statistic& statistic, const Bounds& bounds, double gap, double limit,
+                     CutWhere& where) const {
+    switch (statistic.kind) {
+        case Statistic::Kind::mean:
+            where.mean = std::min(where.mean, limit);
+            break;
+        case Statistic::Kind::rms:
+            where.square = std::min(where.square, limit);
+            break;
+        case Statistic::Kind::deviation:
+            where.spreads.push_back({about_, limit});
+            break;
+        case Statistic::Kind::maximum:
+            where.maximum_gap =
+                std::min(where.maximum == CutWhere::never ? infinity : where.maximum_gap, 0.125 * bounds.gap());
+            where.maximum = std::min(where.maximum, bounds.lower + gap);
+            break;
+        case Statistic::Kind::quantile:
+            where.bands.push_back({bounds.lower, bounds.upper, limit});
+            break;
+        case Statistic::Kind::share_within:
+            where.bands.push_back({statistic.argument, statistic.argument, limit});
+            break;
+    }
+}
+
 }  // namespace hausbench::distribution

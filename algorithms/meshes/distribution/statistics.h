@@ -30,6 +30,14 @@ public:
     // The value around which deviation is computed, near the mean.
     double about() const { return about_; }
 
+    // Returns the largest sum open() with which the gap of a statistic is at most `gap`, if its bounds are in proportion
+    // to that sum.
+    double allowed(const Statistic& statistic, const Bounds& bounds, double gap) const;
+
+    // Adds to `where` that pieces must be cut until their gaps are at most `limit`, for a statistic with these bounds
+    // whose gap may be `gap`.
+    void cut(const Statistic& statistic, const Bounds& bounds, double gap, double limit, CutWhere& where) const;
+
 private:
     // A leaf in the little memory that is needed where its distances are all on one side of a length.
     struct Extent {

@@ -22,7 +22,7 @@
 // Certified: upper bounds are widened as kernel/rounding.h derives, and volumes as volumes.cpp derives. The lower bound
 // is computed as search/bounds.h says. If A moves, the volumes of its BVH move with it.
 //
-// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle of
+// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A that is culled on B the triangle of
 // B that gave the least bound, and the second direction tries these pairs first. In a chain of nearby poses (not in the
 // paper, only if the caller passes a State), the previous pose provides such pairs, a triangle of B near each node of
 // A, and the farthest point.
@@ -101,7 +101,7 @@ private:
     void report(Result& result) const;
     void begin_warm();
     std::optional<Status> cull_on_a();
-    void look_into(Index i);
+    void bound_or_queue(Index i);
     ListedPiece whole(Index i) const;
     // Returns the triangle of B to try first for triangle i of A, or -1 if none is known.
     Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
@@ -124,16 +124,16 @@ private:
     EnclosedMove<Tree> move_;
     ListedSubdivision<Tree> pieces_;
     std::vector<MeasuredPoint> vertices_;  // the vertices of A; `point` is set once the distance to B is known
-    Index last_ = -1;         // the triangle of B with the least bound for the previous triangle of A; -1: none yet
-    std::uint64_t left_ = 0;  // number of triangles of A that were left for culling on B
+    Index last_ = -1;  // the triangle of B with the least bound for the previous triangle of A; -1: none yet
+    std::uint64_t culled_on_b_ = 0;  // number of triangles of A that were left for culling on B
 };
 
 template <class Tree> void Search<Tree>::report(Result& result) const {
     result.reported = stages_.seconds();
     const auto n = static_cast<double>(a_.triangles.rows()), m = static_cast<double>(target_.mesh().triangles.rows()),
-               left = static_cast<double>(left_);
+               left = static_cast<double>(culled_on_b_);
     result.reported["culled on A"] = 1 - left / n;
-    if (left_ > 0) result.reported["culled on B"] = 1 - static_cast<double>(on_b_.measured()) / (m * left);
+    if (culled_on_b_ > 0) result.reported["culled on B"] = 1 - static_cast<double>(on_b_.measured()) / (m * left);
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
@@ -148,7 +148,7 @@ template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
         const std::span<const Index> left = on_a_.step();
         if (left.empty()) continue;
         stages_.end("cull on A");
-        for (const Index i : left) look_into(i);
+        for (const Index i : left) bound_or_queue(i);
         stages_.end("cull on B");
     }
     return std::nullopt;
@@ -166,19 +166,19 @@ template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
     return piece;
 }
 
-// Computes an upper bound for triangle i of A, first from triangles of B that are probably near, then by culling on B.
-// Queues the triangle if its bound is still too large.
-template <class Tree> void Search<Tree>::look_into(Index i) {
+// Bounds triangle i of A, and queues it unless it is settled. Tries the triangles of B that are probably near first: if
+// one of them settles i, culling on B is not needed.
+template <class Tree> void Search<Tree>::bound_or_queue(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
     if (last_ >= 0) on_b_.bound_by(piece, last_);
     for (const MeasuredPoint& corner : piece.corners) {
-        if (corner.triangle < 0) continue;
-        if (elements_) bounds_.offer(corner, i, 0);
+        if (corner.triangle < 0) continue;           // no earlier triangle measured this corner
+        if (elements_) bounds_.offer(corner, i, 0);  // it was offered for that triangle only
         if (corner.triangle != piece.best) on_b_.bound_by(piece, corner.triangle);
     }
     if (piece.best >= 0 && pieces_.settle(piece)) return;
-    ++left_;
+    ++culled_on_b_;
     if (by_groups_)
         on_b_.cull(piece);
     else
