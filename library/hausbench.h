@@ -294,9 +294,9 @@ HAUSBENCH_API int hausbench_symmetric(hausbench_pair* pair, const hausbench_quer
 HAUSBENCH_API int hausbench_within(hausbench_pair* pair, int32_t symmetric, double length, const hausbench_query* query,
                                    hausbench_answer* answer, hausbench_error* error);
 
-/* Bounds statistics of the distance of the points of A to B, each into values[i]. Each is a text: "mean", "rms",
-   "deviation", "maximum", "median", "quantile 0.95" or "within 0.1"; one of "target", "larger", "mean_of_both",
-   "harmonic_mean" and "pooled" may follow (docs/conventions.md). The solver of the plan is not used. answer->bounds is
+/* Bounds statistics of the distance of the points of A to B, each into values[i]. Each is a text, such as
+   "mean" or "quantile 0.95" (docs/conventions.md lists them); one of "target", "larger", "mean_of_both",
+   "harmonic_mean" and "pooled" may follow. The solver of the plan is not used. answer->bounds is
    values[0]. */
 HAUSBENCH_API int hausbench_distribution(hausbench_pair* pair, const char* const* statistics, size_t count,
                                          const hausbench_query* query, hausbench_interval* values,

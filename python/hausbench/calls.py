@@ -171,9 +171,9 @@ def distribution(
 ) -> Distribution:
     """Bounds statistics of the distance of the points of A to B, each by an Interval.
 
-    Computes at once, in one run, what you list: `statistics` (of "mean", "rms", "deviation",
-    "maximum", "median"), `quantiles` (levels above 0, at most 1) and the shares of A `within`
-    lengths; mean and RMS if you list nothing. The result computes others when you ask for them,
+    Computes at once, in one run, what you list: `statistics` (by name, such as "mean", "median" or
+    "quantile 0.95", see docs/conventions.md), `quantiles` (levels above 0, at most 1) and the
+    shares of A `within` lengths; mean and RMS if you list nothing. The result computes others when you ask for them,
     each in a run of its own, and keeps them. A mean takes much longer than h(A,B), because it
     depends on all of A: for a first look use tolerance=1e-3 and relative_to="lower".
 
