@@ -220,7 +220,7 @@ void solve(const MeasureRequest& request, const SolverEntry& entry, const Tolera
     measured.answer = std::move(all.answer);
     measured.peak_bytes = all.peak_bytes;
     measured.failed = std::move(all.no_answer);
-    if (all.why_not_all.empty()) return;
+    if (all.steps == question.steps.size()) return;
     if (all.steps < to_draw)
         measured.why_not_drawn = all.why_not_all;
     else if (all.steps == to_draw)
