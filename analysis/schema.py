@@ -21,7 +21,8 @@ README: Final = ROOT / "results" / "README.md"
 EXPERIMENTS: Final = ROOT / "docs" / "experiments.md"
 MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
-HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
+HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m
+analysis.schema`: do not edit."""
 
 from __future__ import annotations
 
@@ -91,7 +92,11 @@ def default(column: dict[str, Any]) -> str:
         return f'float("{value}")' if isinstance(value, str) else repr(value)
 
     value = column["default"]
-    return f"[{', '.join(map(literal, value))}]" if isinstance(value, list) else literal(value)
+    if not isinstance(value, list):
+        return literal(value)
+    if len(value) > 1 and len(set(map(literal, value))) == 1:
+        return f"[{literal(value[0])}] * {len(value)}"
+    return f"[{', '.join(map(literal, value))}]"
 
 
 def table(group_columns: list[dict[str, Any]]) -> str:

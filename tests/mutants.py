@@ -28,9 +28,8 @@ ROOT = Path(__file__).resolve().parent.parent
 LIST = "tests/mutants.toml"
 SWITCH = re.compile(r'\bWATCHED(?:_ELSE)?\(\s*"((?:\\.|[^"\\])*)"')
 TEST_SECONDS = 600  # without a switch
-SLOWER = (
-    10  # a test with a switch may take so many times as long as without, and SPARE_SECONDS more
-)
+# A test with a switch may take so many times as long as without, and SPARE_SECONDS more.
+SLOWER = 10
 SPARE_SECONDS = 20
 
 

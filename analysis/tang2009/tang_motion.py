@@ -65,7 +65,7 @@ class Run:
         if not self.complete:
             return {}
         times_by_pose = [self.results.solve_by_round(row) for row in self.rows]
-        shared = set.intersection(*map(set, times_by_pose))
+        shared = set.intersection(*(set(times) for times in times_by_pose))
         by_round = {}
         for number in sorted(shared):
             by_round[number] = np.array([times[number] for times in times_by_pose])

@@ -251,7 +251,9 @@ class Motion:
             if why := reason_apart(origins(self.results, [p.rows[label] for p in timed])):
                 return Verdict(claim, UNTESTED, f"times {why}")
             times = [self.rounds(p, label) for p in timed]
-            shared = sorted(set.intersection(*map(set, times))) if times else []
+            shared = (
+                sorted(set.intersection(*(set(by_round) for by_round in times))) if times else []
+            )
             runs = []
             for number in shared:
                 runs.append((x, [by_round[number] for by_round in times]))

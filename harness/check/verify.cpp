@@ -328,11 +328,11 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
 
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
-// The question of a row: two shapes in their poses, and a quantity. Rows with the same question have the same exact
+// The problem of a row: two shapes in their poses, and a quantity. Rows with the same problem have the same exact
 // answer.
-using Question = std::tuple<Placed, Placed, Quantity, std::string>;
+using Problem = std::tuple<Placed, Placed, Quantity, std::string>;
 
-Question question_of(const Case& c) {
+Problem problem_in(const Case& c) {
     return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity,
             c.statistic + std::string(to_string(c.weigh))};
 }
@@ -340,7 +340,7 @@ Question question_of(const Case& c) {
 // Sets `reference` of each row to the narrowest reference interval for the same shapes, poses and quantity. Ignores
 // references that are unsound or refused.
 void take_references(std::vector<Row>& rows, const std::vector<Row>& references) {
-    std::map<Question, Bounds> narrowest;
+    std::map<Problem, Bounds> narrowest;
     for (const Row& reference : references) {
         const Bounds& bounds = reference.outcome.bounds;
         const auto proof = reference.outcome.facts.find("certificate");
@@ -349,12 +349,12 @@ void take_references(std::vector<Row>& rows, const std::vector<Row>& references)
         if (!usable || reference.spec.source_hash.empty() || reference.spec.target_hash.empty() ||
             !finite(reference.spec.pose) || !finite(reference.spec.target_pose))
             continue;
-        const auto [at, fresh] = narrowest.emplace(question_of(reference.spec), bounds);
+        const auto [at, fresh] = narrowest.emplace(problem_in(reference.spec), bounds);
         if (bounds.gap() < at->second.gap()) at->second = bounds;
     }
     for (Row& row : rows) {
         if (!finite(row.spec.pose) || !finite(row.spec.target_pose)) continue;
-        const auto at = narrowest.find(question_of(row.spec));
+        const auto at = narrowest.find(problem_in(row.spec));
         row.reference = at == narrowest.end() ? Bounds{unknown, unknown} : at->second;
     }
 }

@@ -130,7 +130,7 @@ namespace {
 
 // The problem that a row solves, without its solver. Contains the numbers of the poses, because an index may mean
 // different poses in two motions.
-using Question = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
+using Problem = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
                             std::string, double, double>;
 
 // Returns the numbers of both poses, for a map key. Replaces NaN, which only a damaged file contains, with infinity,
@@ -144,7 +144,7 @@ std::vector<double> pose_numbers(const Case& c) {
     return all;
 }
 
-Question question_of(const Case& c) {
+Problem problem_in(const Case& c) {
     return {c.scene,     pose_numbers(c), c.source, c.target, std::string(to_string(c.quantity)) + suffix_of(c),
             c.tolerance, c.tolerance_of,  c.floor,  c.cutoff};
 }
@@ -172,11 +172,11 @@ std::vector<const Row*> rows_of(const ResultFile& result, const std::string& nam
 using Pairs = std::vector<std::pair<const Row*, const Row*>>;
 
 Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row*>& second) {
-    std::map<Question, std::vector<const Row*>> answers;
-    for (const Row* row : second) answers[question_of(row->spec)].push_back(row);
+    std::map<Problem, std::vector<const Row*>> answers;
+    for (const Row* row : second) answers[problem_in(row->spec)].push_back(row);
     Pairs pairs;
     for (const Row* row : first) {
-        const auto at = answers.find(question_of(row->spec));
+        const auto at = answers.find(problem_in(row->spec));
         if (at == answers.end()) continue;
         // If some rows of the other solver have the same swept parameters, only these are partners of this row.
         const auto same = [&](const Row* other) { return other->spec.variant == row->spec.variant; };

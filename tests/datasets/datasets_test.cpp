@@ -290,7 +290,7 @@ TEST_F(Files, ElementsOfPlyWithoutPropertiesCostNothing) {
 
 TEST_F(Files, CountsOfOffMayHaveADecimalPoint) {
     EXPECT_EQ(mesh_of(load("a.off", "OFF\n3.0, 1.0 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).triangles.rows(), 1);
-    refused("b.off", "OFF\n3.5 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"3.5", "no count"});
+    refused("b.off", "OFF\n3.5 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"3.5", "not a count"});
 }
 
 TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {

@@ -15,7 +15,7 @@ import pytest
 from program import ROOT, Program
 from test_run import run
 
-LIBRARIES = ("kernel", "algorithms", "readers", "datasets", "answers", "checker", "harness")
+LIBRARIES = ("kernel", "algorithms", "readers", "datasets", "ask", "checker", "verify", "harness")
 
 
 def library_of(command: dict[str, str]) -> str:

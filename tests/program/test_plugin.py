@@ -195,7 +195,7 @@ def test_what_a_plugin_must_not_do_with_a_scene_is_its_own_error(
             "measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", plugin
         )
         of_plugin = (
-            "solver 'broken' gave no answer: it "
+            "solver 'broken' gave no answer: the solver "
             if how == "throws"
             else "libbroken.so: solver 'broken' "
         )

@@ -209,7 +209,7 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
                 const double expected =
                     std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) *
                     units.inverse;
-                const auto distance = [&, &name = name]<class T>(const NearTriangles<T>& frames) {
+                const auto distance = [&, &scene_name = name]<class T>(const NearTriangles<T>& frames) {
                     TriangleFrames<T> copies;
                     for (std::size_t r = 0; r < frame_row::count; ++r)
                         std::fill_n(copies.row[r], frames_width, frames.row(r)[k]);
