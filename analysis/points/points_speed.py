@@ -28,9 +28,8 @@ class Cell:
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases
         self.row, self.status = row, cases.status[row]
-        self.reported = not math.isnan(
-            cases.reported_seconds[row]
-        )  # an external program that measured its time itself
+        # An external program that measured its time itself.
+        self.reported = not math.isnan(cases.reported_seconds[row])
         self.rounds = (
             results.reported_by_round(row) if self.reported else results.total_by_round(row)
         )
@@ -43,6 +42,10 @@ class Cell:
         if self.status != "ok":
             return style.status_word(self.status)
         return numerals.estimate(self.time, 1000)
+
+
+Labels = list[tuple[str, str]]  # solver and label of each column, in the order of the table
+Cells = dict[tuple[str, str], Cell]  # by scene and label
 
 
 def ratio(rival: Cell, ours: Cell) -> Estimate:
@@ -84,7 +87,7 @@ def at_least(rival: Cell, ours: Cell, limit: float) -> Estimate:
     return estimate if (estimate.low > 1 if late[0] else estimate.high < 1) else NO_DATA
 
 
-def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
+def judge(results: Results, cells: Cells) -> Verdict:
     """Judges the claim that LSS takes less time than EARLYBREAK."""
     pairs = [
         (cells[scene, "earlybreak"], cells[scene, "lss"])
@@ -101,98 +104,107 @@ def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
     )
 
 
+def best_over_ours(scene: str, labels: Labels, cells: Cells) -> Estimate:
+    """Returns time of the fastest other solver / time of ours on a workload."""
+    ours = cells.get((scene, OURS))
+    rivals = []
+    for _, label in labels:
+        cell = cells.get((scene, label))
+        if label != OURS and cell and cell.time.n:
+            rivals.append(cell)
+    if not rivals or not ours or not ours.time.n:
+        return NO_DATA
+    return ratio(min(rivals, key=lambda cell: cell.time.value), ours)
+
+
+def add_rows(table: tables.Table, scene: str, labels: Labels, cells: Cells) -> None:
+    """Adds the rows of a workload to the table: times, and memory below."""
+    times, memory = [], []
+    for _, label in labels:
+        cell = cells.get((scene, label))
+        times.append(cell.text() if cell else numerals.NOTHING)
+        memory.append(numerals.number(cell.mebibytes) if cell else numerals.NOTHING)
+    speedup = numerals.ratio(best_over_ours(scene, labels, cells))
+    table.rules.add(len(table.rows))
+    table.rows.append([style.scene_title(scene), "ms", *times, speedup])
+    table.rows.append(["", "MiB", *memory, ""])
+
+
+def record(
+    results: Results, scene: str, solver: str, label: str, cell: Cell, speedup: Estimate
+) -> tables.Record:
+    prepared = math.nan if cell.reported else results.prepare_seconds(cell.row)
+    return {
+        "scene": scene,
+        "solver": solver,
+        "label": label,
+        "status": cell.status,
+        "n": cell.time.n,
+        "median_seconds": cell.time.value,
+        "low_seconds": cell.time.low,
+        "high_seconds": cell.time.high,
+        "prepare_seconds": prepared,
+        "peak_bytes": int(results.cases.peak_bytes[cell.row]),
+        "lower": float(results.cases.lower[cell.row]),
+        "upper": float(results.cases.upper[cell.row]),
+        "best_other_over_ours": speedup.value,
+    }
+
+
+def add_means(table: tables.Table, results: Results, labels: Labels, cells: Cells) -> None:
+    """Adds the row of the geometric mean over all workloads, and the notes about it."""
+    scenes = results.scenes
+    speedups = [best_over_ours(scene, labels, cells) for scene in scenes]
+    ratios = [speedup.value for speedup in speedups if speedup.n]
+    mean = numerals.number(float(scipy.stats.gmean(ratios)) if ratios else math.nan)
+    least = numerals.number(min(ratios, default=math.nan))
+    limit = numerals.number(float(results.cases.case_seconds_limit[0]))
+    table.rules.add(len(table.rows))
+    table.rows.append(["geometric mean", "", *[""] * len(labels), mean])
+    table.notes += [
+        f"Best other / ours: geometric mean {mean}, least {least}, over {len(ratios)} of "
+        f"{len(scenes)} workloads. Solvers that did not end in {limit} s are left out: they took "
+        "longer.",
+        tables.coverage_note(cell.time for cell in cells.values())
+        + " SciPy's programs measure their own time, without starting Python and reading files, and "
+        "are compared with our wall time. Their memory includes Python.",
+        f"{machine_line(results)}.",
+    ]
+
+
 def make(results: Results) -> Report:
     cases = results.cases
     scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
-    cells = {
-        (scene, label): Cell(results, rows[0])
-        for scene in scenes
-        for _, label in labels
-        if (rows := results.rows(scene=scene, label=label))
-    }
-    titles = [style.title(*pair) for pair in labels]
+    cells = {}
+    for scene in scenes:
+        for _, label in labels:
+            if rows := results.rows(scene=scene, label=label):
+                cells[scene, label] = Cell(results, rows[0])
     table = tables.Table(
         "Time to prepare and solve, ms, of exact directed distances between point sets, with the "
         "peak memory, MiB, below.",
-        ["workload", "", *titles, "best other / ours"],
+        ["workload", "", *[style.title(*pair) for pair in labels], "best other / ours"],
         left=2,
     )
-    records: list[tables.Record] = []
-    ratios: list[float] = []
+    records = []
     for scene in scenes:
-        row_cells = [cells.get((scene, label)) for _, label in labels]
-        ours = cells.get((scene, OURS))
-        rivals = [
-            cell
-            for (_, label), cell in zip(labels, row_cells)
-            if label != OURS and cell and cell.time.n
-        ]
-        best = min(rivals, key=lambda cell: cell.time.value, default=None)
-        speedup = ratio(best, ours) if best and ours and ours.time.n else NO_DATA
-        if speedup.n:
-            ratios.append(speedup.value)
-        table.rules.add(len(table.rows))
-        table.rows.append(
-            [
-                style.scene_title(scene),
-                "ms",
-                *[cell.text() if cell else numerals.NOTHING for cell in row_cells],
-                numerals.ratio(speedup),
-            ]
-        )
-        table.rows.append(
-            [
-                "",
-                "MiB",
-                *[
-                    numerals.number(cell.mebibytes) if cell else numerals.NOTHING
-                    for cell in row_cells
-                ],
-                "",
-            ]
-        )
+        add_rows(table, scene, labels, cells)
         first = results.rows(scene=scene)[0]
         table.notes.append(
-            f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
-            f"{cases.target_elements[first]:,} points."
+            f"{style.scene_title(scene)}: {cases.scene_note[first]}; "
+            f"{cases.source_elements[first]:,} to {cases.target_elements[first]:,} points."
         )
-        for (solver, label), cell in zip(labels, row_cells):
-            if cell:
-                records.append(
-                    {
-                        "scene": scene,
-                        "solver": solver,
-                        "label": label,
-                        "status": cell.status,
-                        "n": cell.time.n,
-                        "median_seconds": cell.time.value,
-                        "low_seconds": cell.time.low,
-                        "high_seconds": cell.time.high,
-                        "prepare_seconds": results.prepare_seconds(cell.row)
-                        if not cell.reported
-                        else math.nan,
-                        "peak_bytes": int(cases.peak_bytes[cell.row]),
-                        "lower": float(cases.lower[cell.row]),
-                        "upper": float(cases.upper[cell.row]),
-                        "best_other_over_ours": speedup.value,
-                    }
-                )
+        speedup = best_over_ours(scene, labels, cells)
+        for solver, label in labels:
+            if cell := cells.get((scene, label)):
+                records.append(record(results, scene, solver, label, cell, speedup))
     table.verdicts = [judge(results, cells)]
-    mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(
-        ratios, default=math.nan
+    add_means(table, results, labels, cells)
+    caption = (
+        "Time to prepare and solve, s, of exact directed distances between point sets: the median, "
+        "and its interval. Right of the frame: no answer, and why."
     )
-    table.rules.add(len(table.rows))
-    table.rows.append(["geometric mean", "", *[""] * len(labels), numerals.number(mean)])
-    table.notes += [
-        f"Best other / ours: geometric mean {numerals.number(mean)}, least {numerals.number(least)}, over {len(ratios)} of {len(scenes)} workloads. Solvers that "
-        f"did not end in {numerals.number(float(cases.case_seconds_limit[0]))} s are left out: they took longer.",
-        tables.coverage_note(cell.time for cell in cells.values())
-        + " SciPy's programs measure their own time, without starting Python and reading files, and are compared with our wall time. Their memory includes "
-        "Python.",
-        f"{machine_line(results)}.",
-    ]
-    caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
     return Report(
         lambda: draw(scenes, labels, cells),
         table,
@@ -202,9 +214,7 @@ def make(results: Results) -> Report:
     )
 
 
-def draw(
-    scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]
-) -> Any:
+def draw(scenes: list[str], labels: Labels, cells: Cells) -> Any:
     """Draws a band for each workload, with the time and interval of each solver.
 
     Solvers that failed are listed at the right, with a letter for the reason.
