@@ -71,10 +71,10 @@ public:
         Result result = meshes_->solve(inner, unused);
         const Bounds of_meshes = result.bounds;
         {
-            const UpwardRounding upward;
-            const Interval low = Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) -
-                                 Interval(WATCHED("surface_meshes: how far B is from its mesh", b_.surface_to_mesh));
-            result.bounds.lower = std::max(low.inf(), 0.0);
+            const UpwardRounding upward;  // the negative of a sum is rounded down
+            const double below = a_.mesh_to_surface - of_meshes.lower +
+                                 WATCHED("surface_meshes: how far B is from its mesh", b_.surface_to_mesh);
+            result.bounds.lower = std::max(-below, 0.0);
             result.bounds.upper =
                 std::min(of_meshes.upper + WATCHED("surface_meshes: how far A is from its mesh", a_.surface_to_mesh) +
                              b_.mesh_to_surface,

@@ -49,9 +49,9 @@ Estimate median(std::vector<double> values) {
 }
 
 Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate) {
+    if (base.size() != candidate.size()) throw std::invalid_argument("paired_ratio: lists of different lengths");
     std::vector<double> logs;
-    for (std::size_t i = 0; i < std::min(base.size(), candidate.size()); ++i)
-        logs.push_back(std::log(candidate[i] / base[i]));
+    for (std::size_t i = 0; i < base.size(); ++i) logs.push_back(std::log(candidate[i] / base[i]));
     Estimate ratio = median(logs);
     ratio.value = std::exp(ratio.value);
     ratio.low = std::exp(ratio.low);

@@ -18,8 +18,8 @@ struct Estimate {
 // `values` is empty.
 Estimate median(std::vector<double> values);
 
-// Returns the median of the ratios candidate[i] / base[i], computed from their logarithms. Extra values of the longer
-// list are ignored.
+// Returns the median of the ratios candidate[i] / base[i], computed from their logarithms. Throws
+// std::invalid_argument if the lists have different lengths or no values.
 Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate);
 
 // Returns "faster" or "slower" if the interval excludes 1 with 95 % confidence, which needs at least six rounds.

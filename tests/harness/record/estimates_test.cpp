@@ -56,6 +56,7 @@ TEST(PairedRatio, IsInsensitiveToWhatMovesBoth) {
     EXPECT_TRUE(separated(r));
     EXPECT_FALSE(separated(paired_ratio({1, 2, 1, 2, 1, 2}, {2, 1, 2, 1, 2, 1})));
     EXPECT_FALSE(separated(paired_ratio({1}, {5})));  // one pair says nothing
+    EXPECT_THROW(paired_ratio(base, {2, 4}), std::invalid_argument);
 }
 
 TEST(Median, NoValuesIsAnError) { EXPECT_THROW(median({}), std::invalid_argument); }
