@@ -36,8 +36,16 @@ public:
     void watch(Watcher watcher) { watcher_ = std::move(watcher); }
     bool watched() const { return static_cast<bool>(watcher_); }
 
-    // Returns whether the watcher is to be shown the bounds now.
-    bool due() const { return watched() && std::chrono::steady_clock::now() >= next_; }
+    // Returns whether the watcher is to be shown the bounds now. If it is asked often, it looks at the clock every 64th
+    // time only. Once true, it stays true until they are shown.
+    bool due() {
+        if (!watched()) return false;
+        if (skip_ > 0) {
+            --skip_;
+            return false;
+        }
+        return look();
+    }
 
     // Shows the watcher, if there is one, bounds or statistics that hold. Does not look at the clock.
     void show(double lower, double upper);
@@ -98,6 +106,8 @@ public:
     std::vector<TraceSample>& samples() { return samples_; }
 
 private:
+    bool look();
+
     void keep(double lower, double upper) {
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
         samples_.push_back({elapsed.count(), lower, upper});
@@ -109,7 +119,8 @@ private:
     std::chrono::steady_clock::time_point begin_{};
     std::vector<TraceSample> samples_;
     Watcher watcher_;
-    std::chrono::steady_clock::time_point next_{};  // when the watcher is shown the bounds again
+    std::chrono::steady_clock::time_point next_{}, looked_{};  // when the watcher is shown the bounds again; last look
+    int skip_ = 0, stride_ = 0;  // how many calls of due() do not look, from now and after the next look
 };
 
 }  // namespace hausbench

@@ -39,7 +39,7 @@ public:
     };
 
     // Waits for an event. Calls `waiting` about fifty times a second. An event that was sent in time counts, even if it
-    // is heard late.
+    // is heard late. A child that still sends events five seconds after the limit is killed; what it has sent is heard.
     Heard hear(std::string& event, const std::function<void()>& waiting = {});
 
 private:
@@ -49,6 +49,7 @@ private:
     std::int64_t most_bytes_;
     std::function<bool()> interrupted_;
     std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+    bool late_ = false;                                  // the child was killed while it sent events
     std::chrono::steady_clock::time_point next_look_{};  // when the memory is looked at again
 };
 

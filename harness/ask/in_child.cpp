@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "algorithms/session/adapter.h"
+#include "algorithms/session/prepared_solver.h"
 #include "harness/ask/json_values.h"
 #include "process/interrupts.h"
 #include "process/listener.h"
@@ -213,10 +214,13 @@ private:
 
     void take(const std::string& name, const json& event) {
         if (name == "closer") {
-            so_far_ = answer_of(event.at("answer"));
+            Answer so_far = answer_of(event.at("answer"));
+            const Bounds& bounds = so_far.result.bounds;
+            if (may_bound_a_distance(bounds) && bounds.lower <= bounds.upper) so_far_ = std::move(so_far);
             return;
         }
         if (name == "prepared") {
+            if (prepared_ || answered_) throw std::runtime_error("prepared a second time");
             prepared_ = true;
         } else if (name == "answer") {
             if (answered_) throw std::runtime_error("a second answer");

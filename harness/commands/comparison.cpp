@@ -130,8 +130,8 @@ namespace {
 
 // The problem that a row solves, without its solver. Contains the numbers of the poses, because an index may mean
 // different poses in two motions.
-using Problem = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
-                            std::string, double, double>;
+using Problem = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double, std::string,
+                           double, double>;
 
 // Returns the numbers of both poses, for a map key. Replaces NaN, which only a damaged file contains, with infinity,
 // because a map cannot order NaN.

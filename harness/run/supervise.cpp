@@ -116,7 +116,7 @@ private:
         if (kind == "closer") {
             expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
             const Bounds bounds{number(event.at("bounds").at(0)), number(event.at("bounds").at(1))};
-            if (may_bound_a_distance(bounds)) so_far_ = bounds;
+            if (may_bound_a_distance(bounds) && bounds.lower <= bounds.upper) so_far_ = bounds;
             return;
         }
         if (kind == "answer") {

@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -183,6 +184,33 @@ SolverEntry never_returns() {
     return {info, make_solver<NeverReturns>};
 }
 
+// A solver that shows bounds without a pause, good ones in turn with impossible ones, and never returns.
+class Floods final : public Solver {
+public:
+    explicit Floods(const Options&) : good_(vertex_only()) {}
+
+    void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        const Bounds bounds = good_->solve(query, nullptr, trace).bounds;
+        for (;;) {
+            trace.show(0.5 * bounds.lower, 2 * bounds.upper);
+            trace.show(2 * bounds.upper, 0.5 * bounds.lower);
+            trace.show(std::nan(""), std::nan(""));
+        }
+    }
+
+private:
+    std::unique_ptr<Solver> good_;
+};
+
+SolverEntry floods() {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = "floods";
+    info.abilities.insert(Ability::traces);
+    return {info, make_solver<Floods>};
+}
+
 // A solver that runs out of time if the target has more triangles than the source.
 class StopsEarly final : public Solver {
 public:
@@ -230,7 +258,7 @@ SolverEntry stops_early() {
 }  // namespace
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbehaving<crash>("crashes"),
-                 misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(), never_returns(),
+                 misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(), never_returns(), floods(),
                  misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "no such element", "crossed",

@@ -381,6 +381,28 @@ def test_the_last_bounds_of_a_solver_outlive_it(
     )
 
 
+def test_a_solver_that_never_stops_showing_bounds_is_killed(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    """Five seconds after the limit and its grace. Bounds that are no interval are left out."""
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "floods",
+        "--time-limit",
+        "0.2",
+        "--plugin",
+        plugin,
+        "--json",
+        timeout=60,
+    )
+    answer = json.loads(done.stdout)
+    assert done.returncode == 0 and answer["status"] == "time_limit", done.stderr
+    assert answer["lower"] == pytest.approx(0.125) and answer["upper"] == pytest.approx(0.5)
+
+
 def test_progress_on_a_terminal(
     hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
 ) -> None:

@@ -321,6 +321,20 @@ TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
     }
 }
 
+// The corners of A lie on B; the largest distance, which is far above the cutoff, is inside A.
+TEST(Cover, ADistanceAboveTheCutoffSavesTheRestOfTheSearch) {
+    const TriangleMesh a = soup(rows({{0, 0, 0}, {10, 0, 0}, {3, 8, 0}}));
+    const TriangleMesh b = soup(rows(
+        {{0, 0, 0}, {-1, 0, 1}, {0, -1, 1}, {10, 0, 0}, {11, 0, 1}, {10, -1, 1}, {3, 8, 0}, {3, 9, 1}, {2, 8, 2}}));
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, 1e-9};
+    const Result whole = answer(a, b, query);
+    query.cutoff = 0.5;
+    const Result result = answer(a, b, query);
+    EXPECT_EQ(result.status, Status::above_cutoff);
+    EXPECT_LT(10 * result.counters.subdivisions, whole.counters.subdivisions);
+}
+
 // Corners of a triangle are at the length itself, where rounding leaves the answer open. The corner far above it decides.
 TEST(Cover, CornersAtTheCutoffDoNotHideOneAboveIt) {
     const TriangleMesh b = soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
