@@ -5,11 +5,17 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <limits>
 
 namespace hausbench {
 
 // Looks less often while less than a millisecond passes between the looks.
 bool Trace::look() {
+    skip_ = 0;
+    if (!watched()) {
+        if (!on_) skip_ = std::numeric_limits<int>::max();
+        return false;
+    }
     const auto now = std::chrono::steady_clock::now();
     if (now >= next_) return true;
     stride_ = now - looked_ < std::chrono::milliseconds(1) ? std::min(2 * stride_ + 1, 63) : stride_ / 2;
@@ -27,7 +33,7 @@ void Trace::show(Result& so_far) {
     std::fesetround(FE_TONEAREST);
     watcher_(so_far);
     if (WATCHED("trace: the rounding mode of SSE is kept", true)) std::fesetenv(&environment);
-    next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+    next_ = std::chrono::steady_clock::now() + pause;
 }
 
 void Trace::show(double lower, double upper) {

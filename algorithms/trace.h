@@ -31,23 +31,24 @@ public:
 
     // Receives, at most every tenth of a second, the answer that a solver could give if it stopped now: its bounds and
     // statistics, with the status `time_limit` and no witness. Called by the thread that solves. It may change the answer,
-    // and must not throw.
+    // and must not throw. `wait`: until the first time.
     using Watcher = std::function<void(Result&)>;
-    void watch(Watcher watcher) { watcher_ = std::move(watcher); }
+    static constexpr std::chrono::milliseconds pause{100};
+    void watch(Watcher watcher, std::chrono::milliseconds wait = {}) {
+        watcher_ = std::move(watcher);
+        next_ = std::chrono::steady_clock::now() + wait;
+        skip_ = 0;
+    }
     bool watched() const { return static_cast<bool>(watcher_); }
 
     // Returns whether the watcher is to be shown the bounds now. If it is asked often, it looks at the clock every 64th
     // time only. Once true, it stays true until they are shown.
-    bool due() {
-        if (!watched()) return false;
-        if (skip_ > 0) {
-            --skip_;
-            return false;
-        }
-        return look();
-    }
+    bool due() { return skip_-- <= 0 && look(); }
 
-    // Shows the watcher, if there is one, bounds or statistics that hold. Does not look at the clock.
+    // Returns whether record() would do something: a sample is wanted, or the watcher is to be shown the bounds.
+    bool wants() { return skip_-- <= 0 && (on_ || look()); }
+
+    // Shows the watcher, if there is one, bounds or statistics that hold, whether that is due or not.
     void show(double lower, double upper);
     void show(const std::vector<Bounds>& statistics);
     void show(Result& so_far);

@@ -73,7 +73,7 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
 // due. The arguments are squared distances; omit an unknown upper bound. Always widens the bounds for underflow, because
 // checking whether underflow is possible would take O(n) time.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
-    if (trace.on() || trace.due()) [[unlikely]]
+    if (trace.wants()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 

@@ -3,6 +3,8 @@
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/watched.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -167,8 +169,10 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
         alone = begin();
         chain = static_cast<Chain*>(alone.get());
     }
+    double least = 0;  // the largest lower bound that was shown, of either direction
     first_trace.watch(trace.watched() ? [&](Result& so_far) {
-        so_far.bounds.upper = infinity;
+        if (!trace.due()) return;
+        so_far.bounds = {least = std::max(least, so_far.bounds.lower), infinity};
         trace.show(so_far);
     } : Trace::Watcher());
     Opening opening = open(query, clock, first_trace);
@@ -187,6 +191,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
         return whole;
     }
     const double first = clock.elapsed();
+    if (first >= std::chrono::duration<double>(Trace::pause).count()) trace.show(whole.bounds.lower, infinity);
     inner.time_limit =
         WATCHED_ELSE("H: the time that the first direction took", clock.left(query.time_limit), query.time_limit);
     inner.floor = std::max(WATCHED("H: a floor of the query that is higher", query.floor),
@@ -200,6 +205,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     if (WATCHED("session: the second direction learns of the first", info_.can(Ability::shared_pairs)))
         chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
     second_trace.watch(trace.watched() ? [&](Result& so_far) {
+        if (!trace.due()) return;
         so_far.bounds = {std::max(whole.bounds.lower, so_far.bounds.lower),
                          std::max(whole.bounds.upper, so_far.bounds.upper)};
         trace.show(so_far);

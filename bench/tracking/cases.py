@@ -51,13 +51,13 @@ BUILD_KERNELS = tuple(
     for name, structure in (
         ("bvh", "TriangleBvh"),
         ("octree", "TriangleOctree"),
-        ("swept_bvh", "SweptSphereBvh"),
+        ("swept_bvh", "tang::SweptSphereBvh"),
         ("triangle_blocks", "TriangleBlocks"),
         ("triangle_grid", "TriangleGrid"),
-        ("adjacency", "Adjacency"),
-        ("point_octree", "PointOctree"),
-        ("point_blocks", "PointBlocks"),
-        ("rtree", "RTree"),
+        ("adjacency", "tang::Adjacency"),
+        ("point_octree", "zhang2017::PointOctree"),
+        ("point_blocks", "scan::PointBlocks"),
+        ("rtree", "inc::RTree"),
     )
 )
 CLOSEST_KERNELS = tuple(

@@ -82,6 +82,7 @@ private:
         const Result& whole = answer_.result;
         const double gap = query.tolerance.gap(whole.bounds.lower);
         if (directions == Directions::unknown || !(gap > 0) || whole.status != Status::converged) return;
+        show_so_far();
         Query directed = query;
         directed.quantity = Quantity::directed;
         directed.tolerance = {Tolerance::Of::absolute, gap};
@@ -98,10 +99,19 @@ private:
             answer_.result.bounds.upper = infinity;  // h(B,A) has no upper bound yet
         });
         if (answer_.forward->status == Status::above_cutoff && !query.wanted.certificate) return;
+        show_so_far();
         solve(directed, true, answer_.backward_seconds, [&](const Result& backward) {
             answer_.backward = turned(backward);
             answer_.result = larger_of(query, *answer_.forward, *answer_.backward);
         });
+    }
+
+    // Shows what is known between two directions: it holds even if the next is never answered.
+    void show_so_far() const {
+        if (!closer_) return;
+        Answer so_far = answer_;
+        so_far.result.status = Status::time_limit;
+        closer_(so_far);
     }
 
     void solve(Query query, bool backward, double& seconds, const Keep& keep) {

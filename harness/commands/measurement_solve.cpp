@@ -221,9 +221,8 @@ void solve(const MeasureRequest& request, const SolverEntry& entry, const Tolera
     measured.peak_bytes = all.peak_bytes;
     measured.failed = std::move(all.no_answer);
     if (all.steps == question.steps.size()) return;
-    if (all.steps < to_draw)
-        measured.why_not_drawn = all.why_not_all;
-    else if (all.steps == to_draw)
+    if (all.steps < to_draw) measured.why_not_drawn = all.why_not_all;
+    if (all.steps <= to_draw && !request.certificate.empty())
         measured.why_not_proven = all.why_not_all;
     else if (measured.proven)
         measured.doubt = "it was not checked: " + all.why_not_all;

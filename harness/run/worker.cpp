@@ -144,10 +144,11 @@ private:
         send({{"event", "begin"}, {"row", item.row}});
         if (memory_) memory_->next_answer();
         Trace trace;
-        trace.watch([&](const Result& so_far) {
+        const auto closer = [&](const Result& so_far) {
             const Bounds& bounds = so_far.bounds;
             send({{"event", "closer"}, {"row", item.row}, {"bounds", {number(bounds.lower), number(bounds.upper)}}});
-        });
+        };
+        trace.watch(closer, Trace::pause);  // short answers send nothing
         const Stopwatch watch;
         Result result;
         if (const auto none = attempt([&] { result = session_->solve(item.query, state, trace); })) {

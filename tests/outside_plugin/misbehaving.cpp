@@ -184,6 +184,30 @@ SolverEntry never_returns() {
     return {info, make_solver<NeverReturns>};
 }
 
+// A solver that answers its first query, and no other.
+class AnswersOnce final : public Solver {
+public:
+    explicit AnswersOnce(const Options&) : good_(vertex_only()) {}
+
+    void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        static bool answered = false;
+        if (answered) hang("", *std::make_unique<Result>());
+        answered = true;
+        return good_->solve(query, nullptr, trace);
+    }
+
+private:
+    std::unique_ptr<Solver> good_;
+};
+
+SolverEntry answers_once() {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = "answers_once";
+    return {info, make_solver<AnswersOnce>};
+}
+
 // A solver that shows bounds without a pause, good ones in turn with impossible ones, and never returns.
 class Floods final : public Solver {
 public:
@@ -259,7 +283,7 @@ SolverEntry stops_early() {
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbehaving<crash>("crashes"),
                  misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(), never_returns(), floods(),
-                 misbehaving<dawdle>("dawdles", {"up to there"}),
+                 answers_once(), misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "no such element", "crossed",
                                            "not a number", "wide", "wide, no cutoff", "false proof"}),

@@ -381,6 +381,27 @@ def test_the_last_bounds_of_a_solver_outlive_it(
     )
 
 
+def test_the_direction_that_was_answered_counts_if_the_other_is_not(
+    hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
+) -> None:
+    done = hausbench(
+        "measure",
+        tetrahedron,
+        raised,
+        "--solver",
+        "answers_once",
+        "--symmetric",
+        "--time-limit",
+        "0.2",
+        "--plugin",
+        plugin,
+        "--json",
+    )
+    answer = json.loads(done.stdout)
+    assert done.returncode == 0 and answer["status"] == "time_limit", done.stderr
+    assert answer["lower"] == pytest.approx(0.25) and float(answer["upper"]) == math.inf
+
+
 def test_a_solver_that_never_stops_showing_bounds_is_killed(
     hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path
 ) -> None:
