@@ -194,9 +194,7 @@ private:
         const double least_width = 1e-6 * (tree_.box().high - tree_.box().low).maxCoeff() / cells_;
         for (int k = 0; k < 3; ++k) {
             if (box.high[k] - box.low[k] >= least_width) continue;
-            box.low[k] =  // rounded down
-                std::max(tree_.box().low[k], WATCHED_ELSE("mesh of a surface: a side moved down is rounded down",
-                                                          -(least_width - box.low[k]), box.low[k] - least_width));
+            box.low[k] = std::max(tree_.box().low[k], -(least_width - box.low[k]));  // rounded down
             box.high[k] = std::min(tree_.box().high[k], box.high[k] + least_width);
         }
         const LinearForm f = tree_.form(box, counters_);

@@ -364,12 +364,12 @@ TEST(PointCells, HoldEachChosenRowOnce) {
 TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     Random random(45);
     int needed = 0;
-    Points others = cloud(random, 100, 0.05);  // far from both P and Q, so that the table has many entries
-    others.col(1).array() += 0.95;
-    others.col(2).array() += 0.95;
-    others = others.cwiseMin(1);
+    // The cells are a row along x, which fits into the table: no two of them share an entry. The other points make the
+    // table large enough, and are farther from P than Q is.
+    Points others = cloud(random, 20, 0.005);
+    others.col(0).array() += 1.9;
     for (int i = 0; i < 20000 && needed < 50; ++i) {
-        const Box box{Vec3(-2, -1, -1), Vec3(2, 1, 1)};
+        const Box box{Vec3(-2, -0.01, -0.01), Vec3(2, 0.01, 0.01)};
         const double per_length = 4 + random.unit();
         Points ends(2, 3);
         ends.row(0) = box.low;

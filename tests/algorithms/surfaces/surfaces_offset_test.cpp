@@ -1,5 +1,6 @@
 // Algebraic surfaces far from the origin, in boxes only a few doubles wide, and with coefficients whose squares overflow.
 #include "algorithms/kernel/polynomial.h"
+#include "algorithms/kernel/taylor_model.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "algorithms/surfaces/surface_mesh.h"
@@ -86,6 +87,11 @@ TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
             const std::array<Interval, 3> point{Interval(at[0]), Interval(at[1]), Interval(at[2])};
             const Interval expanded = about.natural(point), original = plain.natural(point);
             EXPECT_TRUE(expanded.inf() <= original.sup() && original.inf() <= expanded.sup()) << text;
+            const std::array<TaylorModel, 3> models{TaylorModel::variable(at[0], 0, 0),
+                                                    TaylorModel::variable(at[1], 0, 0),
+                                                    TaylorModel::variable(at[2], 0, 0)};
+            const Interval modelled = ModelPowers(models, about).value(about).range();
+            EXPECT_TRUE(modelled.inf() <= expanded.sup() && expanded.inf() <= modelled.sup()) << text;
             const Box around_it{at - Vec3::Constant(0x1p-20), at + Vec3::Constant(0x1p-20)};
             for (const Form form : {Form::natural, Form::centred, Form::affine, Form::modified_affine}) {
                 const Interval range = of_about.range(form, around_it);
