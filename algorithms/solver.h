@@ -216,14 +216,17 @@ struct Query {
         return true;
     }
 
+    // Returns whether the query only asks if the distance is above the cutoff.
+    bool is_question() const { return floor >= cutoff; }
+
     // Returns the status with which a solver may stop at these bounds. Returns nothing if they are too far apart.
     // Distances below the floor do not matter to the caller, so the gap is upper - max(lower, floor).
     std::optional<Status> answer(double lower, double upper) const {
         if (lower > cutoff) return Status::above_cutoff;
-        const bool asks = floor >= cutoff;
-        if (upper <= floor && WATCHED_ELSE("query: below the floor where none is given", floor > 0 || asks, true))
+        if (upper <= floor &&
+            WATCHED_ELSE("query: below the floor where none is given", floor > 0 || is_question(), true))
             return Status::below_floor;
-        if (WATCHED_ELSE("query: the tolerance ends no question", !asks, true) &&
+        if (WATCHED_ELSE("query: the tolerance ends no question", !is_question(), true) &&
             upper - WATCHED_ELSE("query: what is below the floor does not count", lower > floor ? lower : floor,
                                  lower) <=
                 tolerance.gap(lower))

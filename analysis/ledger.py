@@ -22,7 +22,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import numerals, style, table_files, tables
-from analysis.shared.load import each, load_all
+from analysis.shared.load import each, load_all, results_in
 from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
@@ -135,9 +135,7 @@ def stems_in(folder: Path) -> list[Stem]:
 
     Prints a line for a damaged file and skips it. Raises ResultError if nothing is left.
     """
-    stems = each(
-        load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem), read
-    )
+    stems = each(load_all(results_in(folder)), read)
     if not stems:
         raise ResultError(f"{folder}: no results: make them with 'make experiments'")
     return by_time(stems)

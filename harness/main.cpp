@@ -70,9 +70,10 @@ int run_verb(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        const bool wrong_verb = app.get_subcommands().empty() && !app.remaining().empty();  // before --help
-        if (error.get_exit_code() == 0 && !wrong_verb) return app.exit(error);              // --help, --version
-        throw InputError(complaint(app, error));
+        // CLI11 would print the help for "hausbench nosuch --help".
+        const bool wrong_verb = app.get_subcommands().empty() && !app.remaining().empty();
+        if (error.get_exit_code() != 0 || wrong_verb) throw InputError(complaint(app, error));
+        code = app.exit(error);  // prints the help or the version
     }
     if (std::fflush(stdout) != 0 || std::ferror(stdout))
         throw InputError(fmt::format("cannot write the output: {}", std::strerror(errno)));

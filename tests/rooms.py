@@ -3,6 +3,7 @@ tests/rooms.py` writes docs/rooms.svg."""
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -31,16 +32,16 @@ STAIRCASE = [
 WHAT = {
     "main": "harness/main.cpp: the program",
     "commands": "harness/commands/: what each verb takes and prints",
-    "run": "harness/run/: workers, their limits, timing, the journal",
+    "run": "harness/run/: workers, timing, the journal",
     "python": "python/core/: the C interface for Python",
     "library": "library/: the C interface",
-    "check": "harness/check/: rows, re-checked",
+    "check": "harness/check/: is it true? rows, proofs",
     "plan": "harness/plan/: what to run",
     "result": "harness/result/: result files, written and read",
     "record": "harness/record/: case, outcome, the table of columns",
     "ask": "harness/ask/: questions and answers, also in a child process",
     "datasets": "datasets/: models by name, foreign files",
-    "composed": "algorithms/composed/: over sessions",
+    "composed": "algorithms/composed/: solvers of solvers",
     "process": "process/: children, scratch folders",
     "session": "algorithms/session/: one solver on one scene, all questions",
     "solvers": "algorithms/points/, meshes/, surfaces/, peers/: a folder each",
@@ -141,18 +142,37 @@ def place_of(room: str) -> tuple[int, int, int]:
     return LEFT + beside.index(room) * (width + GAP), TOP + step * (HEIGHT + GAP), width
 
 
+def direct(arrows: Iterable[tuple[str, str]]) -> set[tuple[str, str]]:
+    """Returns the arrows between rooms that no longer way by other arrows implies."""
+    below: dict[str, set[str]] = defaultdict(set)
+    for room, included in arrows:
+        below[room].add(included)
+
+    def reaches(room: str) -> set[str]:
+        return below[room].union(*map(reaches, below[room]))
+
+    return {
+        (room, included)
+        for room in list(below)
+        for included in below[room]
+        if not any(included in reaches(other) for other in below[room])
+    }
+
+
 def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
-    """Returns the staircase as SVG. Arrows to the next step are straight; longer ones bend around
-    the boxes."""
+    """Returns the staircase as SVG, without arrows that others imply. Arrows to the next step are
+    straight; longer ones bend around the boxes."""
     height = TOP * 2 + len(STAIRCASE) * (HEIGHT + GAP) - GAP
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * LEFT + WIDTH} {height}" font-family="sans-serif" font-size="13">',
-        "<title>Which room includes which: every arrow goes down</title>",
+        "<title>Which room includes which: every arrow goes down, and a room may include all that it leads to</title>",
         '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
         '<path d="M0 0 L8 4 L0 8 z" fill="#555"/></marker></defs>',
     ]
     step = {room: number for number, rooms in enumerate(STAIRCASE) for room in rooms}
-    for above, below in sorted(arrows, key=lambda pair: (step[pair[0]], step[pair[1]], pair)):
+    for above, below in sorted(
+        direct(arrows), key=lambda pair: (step[pair[0]], step[pair[1]], pair)
+    ):
         (x, y, width), (to_x, to_y, to_width) = place_of(above), place_of(below)
         down = step[below] - step[above]
         if down == 1:

@@ -89,20 +89,16 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     const auto [a, b, c] = longest_edge_first(corners, lane);
     const Vector ab = minus(b, a), w = minus(c, a);
     const V length = hn::Sqrt(dot(ab, ab));
-    const auto is_point = hn::Not(
-        hn::Gt(length, WATCHED_ELSE("triangle frames: no direction from an edge whose square underflows",
-                                    hn::Set(d, WATCHED_ELSE("triangle frames: lengths whose squares lose all digits",
-                                                            frame_point, 0x1p-535)),
-                                    zero)));
+    const double tiny = WATCHED_ELSE("triangle frames: lengths whose squares lose all digits", frame_point, 0x1p-535);
+    const V least_edge =
+        WATCHED_ELSE("triangle frames: no direction from an edge whose square underflows", hn::Set(d, tiny), zero);
+    const V least_height =
+        WATCHED_ELSE("triangle frames: no direction from a height whose square underflows", hn::Set(d, 2 * tiny), zero);
+    const auto is_point = hn::Not(hn::Gt(length, least_edge));
     const Vector e = choose(is_point, {one, zero, zero}, times(inverse_or_one(length), ab));
     const V x_c = dot(w, e);
     const Vector g = minus(w, times(x_c, e));
-    const V flat =
-        hn::Max(hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length),
-                WATCHED_ELSE("triangle frames: no direction from a height whose square underflows",
-                             hn::Set(d, 2 * WATCHED_ELSE("triangle frames: lengths whose squares lose all digits",
-                                                         frame_point, 0x1p-535)),
-                             zero));
+    const V flat = hn::Max(hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length), least_height);
     const auto is_flat = hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), flat));  // true for points, too
     const Vector h = direction_across(e, g, is_flat);
 

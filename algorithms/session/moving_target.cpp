@@ -85,7 +85,7 @@ std::optional<Undone> undo(const SolverInfo& info, const Query& query, const Sha
         source.kind != ShapeKind::mesh || target.kind != ShapeKind::mesh || query.target_pose.is_identity() ||
         query.wanted.certificate)
         return std::nullopt;
-    const bool asks = query.floor >= query.cutoff;
+    const bool asks = query.is_question();
     if (WATCHED("undone motion: is h above this?", asks) || query.tolerance.of != Tolerance::Of::absolute)
         return std::nullopt;
     std::optional<Undone> undone = undo(source.largest, query.source_pose, target.largest, query.target_pose);

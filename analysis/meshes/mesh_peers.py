@@ -55,7 +55,7 @@ def identical(results: Results, scene: str) -> bool:
 
 
 def limit_of(cell: Cell) -> float:
-    return float(cell.results.cases.case_seconds_limit[cell.cases[0]])
+    return float(cell.results.cases.case_seconds_limit[cell.rows[0]])
 
 
 def comparable(pair: Pair) -> bool:
@@ -165,7 +165,7 @@ def judge_mean(claim: Claim, aim: float, pairs: Sequence[Pair]) -> Verdict:
 
 
 def size_of(cell: Cell) -> float:
-    cases, row = cell.results.cases, cell.cases[0]
+    cases, row = cell.results.cases, cell.rows[0]
     return float(cases.source_elements[row] + cases.target_elements[row])
 
 

@@ -34,7 +34,7 @@ from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
 from analysis.report.copies import UNREADABLE, copied
 from analysis.shared import claims, gate, stems, table_files
-from analysis.shared.load import REFERENCE, left_out, load_all
+from analysis.shared.load import REFERENCE, left_out, load_all, results_in
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
@@ -138,8 +138,7 @@ def _measured_as(stem: str) -> str:
 
 def loaded(folder: Path) -> dict[str, Results]:
     """Loads all results of a folder, by stem. Names damaged files and leaves them out."""
-    paths = [path for path in sorted(folder.glob("*.h5")) if "." not in path.stem]
-    return {result.stem: result for result in load_all(paths)}
+    return {result.stem: result for result in load_all(results_in(folder))}
 
 
 def environment() -> jinja2.Environment:
@@ -221,13 +220,15 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
         return write_pages(results, out)
     except Exception:
         write_pages({}, out)  # raises again if the error is in none of the results
-        usable = {stem: result for stem, result in results.items() if can_be_shown(result, out)}
+        usable = {stem: result for stem, result in results.items() if writes_alone(result, out)}
         if len(usable) == len(results):
             raise
         return write_pages(usable, out)
 
 
-def can_be_shown(results: Results, out: Path) -> bool:
+def writes_alone(results: Results, out: Path) -> bool:
+    """Writes the pages of one result, over any others. Returns False if that fails, and names the
+    result on standard error."""
     try:
         write_pages({results.stem: results}, out)
     except Exception as problem:

@@ -42,16 +42,17 @@ class Pair:
     def seconds(self, solver: str) -> float:
         return self.cells[solver].time.value
 
-    def over(self, solver: str) -> bool:
-        """Tells whether a solver did not reach the tolerance, because it was stopped or failed."""
+    def unfinished(self, solver: str) -> bool:
+        """Returns whether the solver was stopped or failed before it reached the tolerance."""
         return bool(self.cells[solver].failures)
 
-    def late(self, solver: str) -> bool:
+    def timed_out(self, solver: str) -> bool:
+        """Returns whether the solver reached the time limit on some row."""
         return bool(self.cells[solver].failures["timeout"])
 
     @property
     def both(self) -> bool:
-        return not self.over(FAST) and not self.over(SLOW)
+        return not self.unfinished(FAST) and not self.unfinished(SLOW)
 
     def ratio(self, measure: str = "") -> float:
         """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[measure]; NaN if one of the
@@ -103,26 +104,30 @@ class Pairs:
         )
         return next(filter(None, reasons), "")
 
-    def over(self, solver: str, pairs: Sequence[Pair] | None = None) -> int:
-        return sum(pair.over(solver) for pair in (self.pairs if pairs is None else pairs))
+    def count_unfinished(self, solver: str, pairs: Sequence[Pair] | None = None) -> int:
+        return sum(pair.unfinished(solver) for pair in (self.pairs if pairs is None else pairs))
 
 
 def verdicts(measured: Pairs) -> list[Verdict]:
     """Judges the claims of the figure. Claims about means are judged in time and in counted
     work."""
 
+    why = measured.why_apart()
+
     def means(name: str, mean: Any, bar: float, kind: str) -> Verdict:
         claim = claims.of("sacht2024", name)
-        return in_time_and_work(
-            lambda measure: Verdict(claim, UNTESTED, f"times {why}")
-            if why and not measure
-            else mean_at_least(claim, mean(measured.ratios(measure)), bar, kind)
-        )
 
-    why = measured.why_apart()
-    done = {}
-    for solver in (FAST, SLOW):
-        done[solver] = np.array([not pair.over(solver) for pair in measured.pairs], dtype=bool)
+        def judge(measure: str) -> Verdict:
+            if why and not measure:
+                return Verdict(claim, UNTESTED, f"times {why}")
+            return mean_at_least(claim, mean(measured.ratios(measure)), bar, kind)
+
+        return in_time_and_work(judge)
+
+    done = {
+        solver: np.array([not pair.unfinished(solver) for pair in measured.pairs], dtype=bool)
+        for solver in (FAST, SLOW)
+    }
     return [
         means("faster", geometric_mean, 1.0, "geometric mean"),
         means("sixteen_geometric", geometric_mean, PAPER, "geometric mean"),
@@ -141,7 +146,9 @@ def verdicts(measured: Pairs) -> list[Verdict]:
 def nearer_more(measured: Pairs) -> Verdict:
     """Judges the claim that Sacht's method subdivides more (per triangle of A) on nearer pairs,
     among the pairs it finished."""
-    ended = [pair for pair in measured.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
+    ended = [
+        pair for pair in measured.pairs if not pair.unfinished(FAST) and np.isfinite(pair.distance)
+    ]
     nearness = [-pair.distance for pair in ended]
     subdivisions = [
         pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in ended
@@ -177,8 +184,8 @@ def make(results: Results) -> Report:
             [
                 size_text(low, high),
                 str(len(part)),
-                str(measured.over(SLOW, part)),
-                str(measured.over(FAST, part)),
+                str(measured.count_unfinished(SLOW, part)),
+                str(measured.count_unfinished(FAST, part)),
                 *numbers_of(measured.ratios("", part)),
                 *[
                     numerals.estimate(geometric_mean(measured.ratios(measure, part)))
@@ -275,7 +282,7 @@ def notes(measured: Pairs) -> list[str]:
             failures = ", ".join(
                 f"{solver} {pair.cells[solver].failure_text()}"
                 for solver in (SLOW, FAST)
-                if pair.over(solver)
+                if pair.unfinished(solver)
             )
             shown.append(f"{pair.scene} ({failures})")
         text += (
@@ -344,15 +351,16 @@ def draw(measured: Pairs) -> Any:
             title=f"counted {work}" if measure else total_word(measured.results),
         )
     for pair in measured.pairs:  # one was stopped: an arrow, as the true ratio is farther out
-        late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
-        if len(late) == 1 and pair.late(late[0]):
+        unfinished = [solver for solver in (SLOW, FAST) if pair.unfinished(solver)]
+        if len(unfinished) == 1 and pair.timed_out(unfinished[0]):
             seconds = [
-                pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)
+                pair.limit if pair.unfinished(solver) else pair.seconds(solver)
+                for solver in (SLOW, FAST)
             ]
             axes[0].plot(
                 pair.triangles,
                 seconds[0] / seconds[1],
-                "^" if late == [SLOW] else "v",
+                "^" if unfinished == [SLOW] else "v",
                 color=looks.colour,
                 markerfacecolor="white",
                 markersize=4.2,
@@ -378,7 +386,7 @@ def draw(measured: Pairs) -> Any:
         )
     ]
     for slow, fast, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
-        if any(pair.late(slow) and not pair.over(fast) for pair in measured.pairs):
+        if any(pair.timed_out(slow) and not pair.unfinished(fast) for pair in measured.pairs):
             entries.append(
                 Line2D(
                     [],

@@ -45,6 +45,7 @@ class Cell:
     """The times and counted work of one solver on one scene, over all its seeds."""
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
+        rows = list(rows)  # numpy takes a tuple for an index of several dimensions
         cases, first = results.cases, rows[0]
         questions = set[tuple[Any, ...]]()
         for r in rows:
@@ -63,7 +64,7 @@ class Cell:
                 f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
                 "more than their seed: give each variant a label of its own in the experiment"
             )
-        self.results, self.cases, self.rows = results, rows, len(rows)
+        self.results, self.rows = results, rows
         self.seeded = takes_seed(results, first)
         self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
@@ -104,14 +105,14 @@ class Cell:
         }
 
     def _seeds(self) -> list[int]:
-        return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
+        return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.rows)]
 
     def share_preparation(self, other: Cell) -> None:
         """Sets both preparation times to the shorter one, round by round: both solvers build the
         same structure."""
-        before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
+        before = [self.results.prepare_by_round(cell.rows[0]) for cell in (self, other)]
         for cell in (self, other):
-            solve = self.results.first_by_round(cell.cases[0])
+            solve = self.results.first_by_round(cell.rows[0])
             usual = min(self.prepare, other.prepare)
             cell.times = {}
             for number, seconds in solve.items():
@@ -129,7 +130,7 @@ class Cell:
             return {}
         columns = [counters[name] for name in names if name in counters]
         sums = {}
-        for seed, row in zip(self._seeds(), self.cases):
+        for seed, row in zip(self._seeds(), self.rows):
             sums[seed] = float(sum(int(column[row]) for column in columns))
         return sums
 
@@ -150,11 +151,13 @@ class Cell:
     def failure_text(self) -> str:
         status, count = self.failures.most_common(1)[0]
         word = style.status_word(status)
-        return word if count == self.rows else f"{word} ({count} of {self.rows})"
+        return word if count == len(self.rows) else f"{word} ({count} of {len(self.rows)})"
 
     def status(self) -> str:
         return (
-            ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items())
+            ", ".join(
+                f"{name} {count} of {len(self.rows)}" for name, count in self.failures.items()
+            )
             or "ok"
         )
 
@@ -170,7 +173,7 @@ def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
     if lacking := apart(slow.origins | fast.origins):
         return lacking
     times = {number: seconds / by for number, seconds in slow.times.items()}
-    if (slow.rows > 1) == (fast.rows > 1) and times.keys() & fast.times.keys():
+    if (len(slow.rows) > 1) == (len(fast.rows) > 1) and times.keys() & fast.times.keys():
         return ratio_by_round(times, fast.times)
     return ratio_of_medians(list(times.values()), list(fast.times.values()))
 

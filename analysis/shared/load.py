@@ -223,6 +223,12 @@ def _expect_json(results: Results) -> None:
                 raise ValueError(f"{name} holds text that is not the JSON of a run")
 
 
+def results_in(folder: Path) -> list[Path]:
+    """Returns the result files of a folder, one for each stem. Skips those that belong to another,
+    such as S.everything.h5."""
+    return [path for path in sorted(folder.glob("*.h5")) if "." not in path.stem]
+
+
 def load_all(paths: Iterable[Path]) -> list[Results]:
     """Loads results, which the program checks with one call. Names those that cannot be loaded on
     standard error, and leaves them out."""

@@ -259,7 +259,7 @@ def text(cell: Cell | None) -> str:
 
 def counted(results: Results, cell: Cell | None, name: str) -> str:
     """Returns the number of pieces or samples of a cell."""
-    value = results.extras(cell.cases[0]).get(name, np.nan) if cell else np.nan
+    value = results.extras(cell.rows[0]).get(name, np.nan) if cell else np.nan
     return numerals.NOTHING if np.isnan(value) else f"{value:,.0f}"
 
 
@@ -302,7 +302,7 @@ def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
     for (scene, label, tolerance), ours in cells.items():
         if label != OURS or tolerance != finest or not scene.endswith(", mean") or ours.failures:
             continue
-        radius = finest * results.middle(ours.cases[0])
+        radius = finest * results.middle(ours.rows[0])
         rows = [
             row
             for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES, status="ok")

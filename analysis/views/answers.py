@@ -47,7 +47,7 @@ def measured(results: Results) -> dict[Asked, dict[str, Cell]]:
     return {
         question: by_name
         for question, by_name in questions(results).items()
-        if not all(results.cases.from_trace[row] for cell in by_name.values() for row in cell.cases)
+        if not all(results.cases.from_trace[row] for cell in by_name.values() for row in cell.rows)
     }
 
 
@@ -83,14 +83,14 @@ def make(results: Results) -> Report:
     for question, by_name in asked.items():
         table.rules.add(len(table.rows))
         for name, cell in by_name.items():
-            row = cell.cases[0]
-            answered = [case for case in cell.cases if cases.status[case] != "failed"]
+            row = cell.rows[0]
+            answered = [case for case in cell.rows if cases.status[case] != "failed"]
             lower, upper = (
                 (float(cases.lower[answered].min()), float(cases.upper[answered].max()))
                 if answered
                 else (math.nan, math.nan)
             )  # over all seeds
-            said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
+            said = float(np.median(cases.reported_seconds[cell.rows])) if reported else math.nan
             table.rows.append(
                 [
                     question.title(question.scene in moves),

@@ -58,7 +58,7 @@ def too_short(results: Results) -> list[str]:
 
 def cost(results: Results, cell: Cell | None) -> float:
     if cell is None or all(
-        results.cases.status[row] in ("skipped", "not_built") for row in cell.cases
+        results.cases.status[row] in ("skipped", "not_built") for row in cell.rows
     ):
         return math.nan
     return cell.time.value if cell.time.n else math.inf

@@ -39,7 +39,7 @@ def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
     for depth, cell in cells:
         times = [
             time
-            for row in cell.cases
+            for row in cell.rows
             for time in sweep.results.prepare_by_round(row).values()
             if time > 0
         ]

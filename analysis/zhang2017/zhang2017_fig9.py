@@ -52,7 +52,7 @@ def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
     by_seed: dict[int, tuple[list[float], list[float]]] = {}  # values and numbers of culled points
     for value in sweep.values:
         cell = sweep.cells.get((scene, value))
-        for row in cell.cases if cell else ():
+        for row in cell.rows if cell else ():
             extras = sweep.results.extras(row)
             if sweep.results.cases.status[row] == "ok" and "culled" in extras:
                 seed = int(sweep.results.options(row).get("seed", 0))
@@ -67,7 +67,7 @@ def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
 def culled(results: Results, cell: Cell) -> float:
     shares = [
         100 * results.extras(row)["culled"] / results.cases.source_elements[row]
-        for row in cell.cases
+        for row in cell.rows
         if "culled" in results.extras(row)
     ]
     return float(np.median(shares)) if shares else math.nan

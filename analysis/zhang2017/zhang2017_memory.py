@@ -153,7 +153,7 @@ def compared(inc_peak: float, rival_peak: float) -> str:
 def memory_limit(cell: Cell) -> float:
     """Returns the memory limit of a solver that ran out of memory; 0 for all others."""
     return (
-        float(cell.results.cases.memory_limit_bytes[cell.cases[0]])
+        float(cell.results.cases.memory_limit_bytes[cell.rows[0]])
         if cell.failures["out_of_memory"]
         else 0.0
     )
@@ -182,7 +182,7 @@ def make(results: Results) -> Report:
         for spot in series:
             inc = spot.cells.get("inc")
             queues = (
-                results.extras(inc.cases[0]).get("queue_bytes", math.nan)
+                results.extras(inc.rows[0]).get("queue_bytes", math.nan)
                 if inc and not inc.failures
                 else math.nan
             )
@@ -212,8 +212,8 @@ def make(results: Results) -> Report:
                     "status": cell.status(),
                     "peak_bytes": cell.peak,
                     "median_seconds": cell.time.value,
-                    "prepare_bytes": int(results.cases.prepare_bytes[cell.cases[0]]),
-                    "queue_bytes": results.extras(cell.cases[0]).get("queue_bytes", math.nan),
+                    "prepare_bytes": int(results.cases.prepare_bytes[cell.rows[0]]),
+                    "queue_bytes": results.extras(cell.rows[0]).get("queue_bytes", math.nan),
                 }
                 for label, cell in spot.cells.items()
             ]

@@ -114,7 +114,7 @@ def all_pairs(grid: Grid) -> Verdict:
     cases = grid.results.cases
     unlike = sum(
         cell.count(DISTANCES)
-        != int(cases.source_elements[cell.cases[0]]) * int(cases.target_elements[cell.cases[0]])
+        != int(cases.source_elements[cell.rows[0]]) * int(cases.target_elements[cell.rows[0]])
         for cell in counted
     )
     return all_of(

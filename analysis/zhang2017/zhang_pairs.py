@@ -62,7 +62,7 @@ class Pair:
         self.ratio = NO_DATA
         self.counted = dict.fromkeys(MEASURES, NO_DATA)
         if slow and fast and len(both) == 2:
-            if slow.rows == 1 and fast.rows == 1:
+            if len(slow.rows) == len(fast.rows) == 1:
                 slow.share_preparation(fast)
             self.ratio = compare(slow, fast)
             self.counted = {
@@ -176,7 +176,7 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def has_seeds(pairs: list[Pair]) -> bool:
-    return any(cell.rows > 1 for pair in pairs for cell in pair.cells.values())
+    return any(len(cell.rows) > 1 for pair in pairs for cell in pair.cells.values())
 
 
 def unit_of(pairs: list[Pair]) -> str:
@@ -197,14 +197,13 @@ def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
     sizes = [float(pair.n + pair.m) for pair in timed]
     cells = [pair.cells[spec.with_it] for pair in timed]
     why = reason_apart(origin for cell in cells for origin in cell.origins)
-    return [
-        gains,
-        in_time_and_work(
-            lambda measure: Verdict(claim, UNTESTED, f"times {why}")
-            if why and not measure
-            else rising(claim, sizes, [cell.cost(measure) for cell in cells])
-        ),
-    ]
+
+    def grows(measure: str) -> Verdict:
+        if why and not measure:
+            return Verdict(claim, UNTESTED, f"times {why}")
+        return rising(claim, sizes, [cell.cost(measure) for cell in cells])
+
+    return [gains, in_time_and_work(grows)]
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:

@@ -82,7 +82,8 @@ def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
 
 
 def build_in(tree: Path, commit: str, jobs: int) -> Build:
-    """Builds the checked-out commit of a worktree."""
+    """Builds the checked-out commit of a worktree. Raises NotBuilt if the program does not build;
+    kernel_bench may be missing."""
     build = tree / "build" / "release"
     log = tree.parent / f"{tree.name}.log"  # inside the tree it would count as a change
     (tree / "build.log").unlink(missing_ok=True)  # earlier versions wrote it there
@@ -120,29 +121,21 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
             file=sys.stderr,
             flush=True,
         )
-        for command in commands:
-            if (
-                subprocess.call(
-                    command,
-                    stdin=subprocess.DEVNULL,
-                    stdout=out,
-                    stderr=subprocess.STDOUT,
-                    env=environment,
-                )
-                != 0
-            ):
-                raise NotBuilt(f"{commit} does not build: its output is in {log}")
-        bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
-        built = (
-            subprocess.call(
-                bench,
+
+        def succeeds(command: list[str]) -> bool:
+            code = subprocess.call(
+                command,
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
                 env=environment,
             )
-            == 0
-        )
+            return code == 0
+
+        if not all(map(succeeds, commands)):
+            raise NotBuilt(f"{commit} does not build: its output is in {log}")
+        bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
+        built = succeeds(bench)
     kernels = build / "kernel_bench"
     return Build(
         commit, build / "hausbench", kernels if built and kernels.is_file() else None, tree

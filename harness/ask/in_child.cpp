@@ -168,7 +168,7 @@ private:
             all_.no_answer = std::move(why);
     }
 
-    // The last bounds that the child has sent hold, although it has not answered.
+    // If the child has sent bounds, they become the answer. They may decide a yes/no question.
     void late() {
         const std::string missing = answered_   ? question_.steps[all_.steps].missing
                                     : prepared_ ? "it did not answer"
@@ -178,7 +178,7 @@ private:
         if (!answered_ && so_far_) {
             all_.answer = std::move(*so_far_);
             Result& result = all_.answer.result;
-            if (question_.query.cutoff <= question_.query.floor)
+            if (question_.query.is_question())
                 result.status =
                     question_.query.answer(result.bounds.lower, result.bounds.upper).value_or(result.status);
             result.note = fmt::format("{}; these are its bounds after {:.3g} s", reason, all_.answer.solve_seconds);

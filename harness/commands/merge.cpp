@@ -123,7 +123,8 @@ public:
         for (const LedgerEntry& entry : next.ledger) add(entry);
     }
 
-    ResultFile merged() { return std::move(merged_); }
+    // Returns the merged result, which leaves this object empty.
+    ResultFile result() && { return std::move(merged_); }
     // Returns a line for each result of which some cases were left out.
     const std::vector<std::string>& notes() const { return notes_; }
 
@@ -203,7 +204,7 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     Merger merger(read_result(files.front()), files.front());
     for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
     say(merger.notes());
-    return merger.merged();
+    return std::move(merger).result();
 }
 
 // Returns a line that names the shards missing from a result. Returns an empty string if no case is in a missing shard.

@@ -16,17 +16,16 @@ struct Layout {
     std::string head, word, tail;
 };
 
+// Returns the layout for the extension of a file, or null if there is none.
 const Layout* layout_of(const std::filesystem::path& file) {
-    static const Layout ply = {
-        "ply\nformat ascii 1.0\ncomment the farthest point of A, and the point of B nearest to it\n"
-        "element vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
-        "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n",
-        "", "0 1\n"};
-    static const Layout vtk = {
-        "# vtk DataFile Version 3.0\nthe farthest point of A, and the point of B nearest to it\n"
-        "ASCII\nDATASET POLYDATA\nPOINTS 2 double\n",
-        "", "LINES 1 3\n2 0 1\n"};
-    static const Layout obj = {"# the farthest point of A, and the point of B nearest to it\n", "v ", "l 1 2\n"};
+    const std::string about = "the witness: a point of A, then a point of B\n";
+    static const Layout ply = {"ply\nformat ascii 1.0\ncomment " + about +
+                                   "element vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+                                   "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n",
+                               "", "0 1\n"};
+    static const Layout vtk = {"# vtk DataFile Version 3.0\n" + about + "ASCII\nDATASET POLYDATA\nPOINTS 2 double\n",
+                               "", "LINES 1 3\n2 0 1\n"};
+    static const Layout obj = {"# " + about, "v ", "l 1 2\n"};
     const std::string extension = file.extension().string();
     return extension == ".ply" ? &ply : extension == ".vtk" ? &vtk : extension == ".obj" ? &obj : nullptr;
 }

@@ -89,7 +89,7 @@ void Work::set_tau() {
     // is the floor. That ends once a point is measured that is as far as the cutoff up to rounding: no bound of its
     // piece will be at most the cutoff. A point that is clearly farther may still answer the question, but without a
     // gap above the point, pieces of the same distance would be cut until they are as small as the rounding errors.
-    const bool asks = query.floor >= query.cutoff;
+    const bool asks = query.is_question();
     within_floor_ = asks && WATCHED_ELSE("cover: a tie with the cutoff ends the search",
                                          low <= covered_within(query.floor, 0), true);
     const double gap = asks ? scene_.least_gap : std::max(0.9 * query.tolerance.gap(low), scene_.least_gap);
