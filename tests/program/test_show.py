@@ -168,10 +168,14 @@ def test_a_reader_that_stops_early_ends_it_without_a_word(hausbench: Program, re
     assert process.stderr.read() == b"" and process.wait(30) == -signal.SIGPIPE
 
 
-def test_a_full_disk_is_no_success(hausbench: Program, result: Path) -> None:
+@pytest.mark.parametrize("arguments", [("show", "RESULT", "--csv"), ("--help",), ("run", "--help")])
+def test_a_full_disk_is_no_success(
+    hausbench: Program, result: Path, arguments: tuple[str, ...]
+) -> None:
+    named = [result if argument == "RESULT" else argument for argument in arguments]
     with open("/dev/full", "w", encoding="ascii") as full:
         done = subprocess.run(
-            hausbench.command("show", result, "--csv"),
+            hausbench.command(*named),
             env=hausbench.environment(),
             stdout=full,
             stderr=subprocess.PIPE,
