@@ -35,7 +35,7 @@ def _judged(
         if slow in cells
         and fast in cells
         and not all(
-            results.cases.from_trace[row] for name in (slow, fast) for row in cells[name].cases
+            results.rows.from_trace[row] for name in (slow, fast) for row in cells[name].cases
         )
     ]  # so that no measurement counts twice
     every = stated.get("on") == "every" or len(both) == 1  # one case has no average

@@ -432,7 +432,7 @@ def test_fig2_draws_no_bound_for_a_pair_that_was_not_stopped_by_the_clock(tmp_pa
     file.case("sacht", "large", [0.01], lower=0.25, upper=0.25, **common)
     file.case("zheng", "large", **without_bounds("out_of_memory", "more than 8192 MB", common))
     pairs = sacht2024_fig2.Pairs(load(file.write(tmp_path)))
-    assert pairs.over("zheng") == 2
+    assert pairs.count_unfinished("zheng") == 2
     hollow = [line for line in sacht2024_fig2.draw(pairs).axes[0].lines if line.get_marker() == "^"]
     assert [list(line.get_xdata()) for line in hollow] == [[700]] and list(
         hollow[0].get_ydata()
