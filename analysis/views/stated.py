@@ -35,7 +35,7 @@ def _judged(
         if slow in cells
         and fast in cells
         and not all(
-            results.rows.from_trace[row] for name in (slow, fast) for row in cells[name].cases
+            results.cases.from_trace[row] for name in (slow, fast) for row in cells[name].rows
         )
     ]  # so that no measurement counts twice
     every = stated.get("on") == "every" or len(both) == 1  # one case has no average
