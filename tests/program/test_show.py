@@ -172,7 +172,9 @@ def test_a_reader_that_stops_early_ends_it_without_a_word(hausbench: Program, re
 def test_a_full_disk_is_no_success(
     hausbench: Program, result: Path, arguments: tuple[str, ...]
 ) -> None:
-    named = [result if argument == "RESULT" else argument for argument in arguments]
+    named: list[str | Path] = [
+        result if argument == "RESULT" else argument for argument in arguments
+    ]
     with open("/dev/full", "w", encoding="ascii") as full:
         done = subprocess.run(
             hausbench.command(*named),
