@@ -487,8 +487,8 @@ TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
     });
 }
 
-// surface_enclosure must set the rounding mode that it needs, and restore the caller's. Every step on these surfaces is
-// rounded, so another mode gives other bits.
+// surface_enclosure must set the rounding mode that it needs, and restore the caller's. On surfaces whose coefficients are
+// no doubles, so that the steps of the search are rounded.
 TEST(SurfaceSolvers, TheEnclosureSetsItsRoundingItself) {
     const Session session = session_of("surface_enclosure", surface("(x - 1/3)^2/7 + y^2/3 + z^2/5 - 1/11"),
                                        surface("(x - 1/3)^2/7 + y^2/3 + z^2/5 - 2/11"));
